@@ -1,0 +1,268 @@
+"""The initial-boundary-value problem as a solver may see it, and how it is discretised."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpmverify.errors import UsageError
+
+Array = NDArray[np.float64]
+Field = Callable[[Array], Array]
+"""Initial field: reference positions (P, dim) [m] -> values (P, components)."""
+BodyForce = Callable[[Array, Array], Array]
+"""Body force: reference positions (P, dim) [m], times (T,) [s] -> acceleration (T, P, dim) [m/s^2]."""
+
+UNITS: Mapping[str, str] = {
+    "u": "1",
+    "displacement": "m",
+    "velocity": "m s-1",
+    "stress": "Pa",
+}
+"""Unit of every quantity that a solver may return (UDUNITS spelling)."""
+
+
+class History(Protocol):
+    """A datum in time, with its integral from 0: both (T,) -> (T,)."""
+
+    def __call__(self, t: Array) -> Array: ...
+
+    def integral(self, t: Array) -> Array: ...
+
+
+@dataclass(frozen=True)
+class Constant:
+    """The same value at all times (a `History`)."""
+
+    value: float = 0.0
+
+    def __call__(self, t: Array) -> Array:
+        return np.full_like(t, self.value, dtype=float)
+
+    def integral(self, t: Array) -> Array:
+        return self.value * np.asarray(t, dtype=float)
+
+
+# Materials: parameters only. Every solver family has its own constitutive law.
+
+
+@dataclass(frozen=True)
+class Transport:
+    """A scalar carried at a constant velocity: u_t + a u_x = 0.
+
+    Parameters
+    ----------
+    velocity : float
+        a [m/s].
+    """
+
+    velocity: float
+
+    @property
+    def wave_speed(self) -> float:
+        return abs(self.velocity)
+
+
+@dataclass(frozen=True)
+class LinearElastic:
+    """Isotropic linear elasticity at small strain, sigma = 2 G eps + lambda tr(eps) I.
+
+    Parameters
+    ----------
+    youngs_modulus : float
+        E [Pa].
+    density : float
+        Reference density rho0 [kg/m^3].
+    poissons_ratio : float
+        nu [1]; 0 makes a one-dimensional body a slender bar.
+    """
+
+    youngs_modulus: float
+    density: float
+    poissons_ratio: float = 0.0
+
+    @property
+    def shear_modulus(self) -> float:
+        return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
+
+    @property
+    def lame_lambda(self) -> float:
+        nu = self.poissons_ratio
+        return self.youngs_modulus * nu / ((1 + nu) * (1 - 2 * nu))
+
+    @property
+    def wave_speed(self) -> float:
+        return math.sqrt((self.lame_lambda + 2 * self.shear_modulus) / self.density)
+
+
+@dataclass(frozen=True)
+class NeoHookean(LinearElastic):
+    """Compressible neo-Hookean body, P = lambda ln(F)/F + mu (F - 1/F) in one dimension; parameters as at small strain."""
+
+
+Material = Transport | LinearElastic
+
+
+# Boundary conditions, one per face of the box; a tensile traction is positive.
+
+
+@dataclass(frozen=True)
+class Traction:
+    """Prescribed normal traction p(t) [Pa]; `Constant(0)` is a free surface."""
+
+    value: History = Constant()
+
+
+@dataclass(frozen=True)
+class Velocity:
+    """Prescribed normal velocity along the axis [m/s]; `Constant(0)` is a fixed end."""
+
+    value: History = Constant()
+
+
+@dataclass(frozen=True)
+class Absorbing:
+    """No incoming characteristic."""
+
+
+@dataclass(frozen=True)
+class Inflow:
+    """Prescribed value of the transported scalar where the velocity points inwards."""
+
+    value: History = Constant()
+
+
+@dataclass(frozen=True)
+class Outflow:
+    """Nothing prescribed: the transported scalar leaves."""
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """Joined to the opposite face."""
+
+
+BoundaryCondition = Traction | Velocity | Absorbing | Inflow | Outflow | Periodic
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An initial-boundary-value problem on a box.
+
+    Parameters
+    ----------
+    name : str
+        Identifies the problem in files and pages.
+    lower, upper : tuple of float
+        Corners of the box, one entry per dimension [m].
+    material : Material
+        What fills the box.
+    boundary : mapping of str to BoundaryCondition
+        One condition for each of the faces "x-", "x+", "y-", ...
+    end_time : float
+        Final time [s]; the problem starts at 0.
+    initial : mapping of str to Field
+        Initial fields by quantity; an absent one is zero.
+    body_force : BodyForce, optional
+        In material coordinates [m/s^2].
+    outputs : int
+        Number of output intervals; a solver that takes fewer steps returns every step.
+
+    Raises
+    ------
+    UsageError
+        If the box is empty, a face lacks its condition or the final time is not positive and finite.
+    """
+
+    name: str
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    material: Material
+    boundary: Mapping[str, BoundaryCondition]
+    end_time: float
+    initial: Mapping[str, Field] = field(default_factory=dict)
+    body_force: BodyForce | None = None
+    outputs: int = 32
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.end_time) and self.end_time > 0):
+            raise UsageError(f"problem {self.name!r}: the final time must be positive and finite, not {self.end_time!r}")
+        if len(self.lower) != len(self.upper) or any(not lo < hi for lo, hi in zip(self.lower, self.upper, strict=False)):
+            raise UsageError(f"problem {self.name!r}: every upper bound must exceed its lower bound")
+        faces = {axis + side for axis in "xyz"[: self.dimension] for side in "-+"}
+        if set(self.boundary) != faces:
+            raise UsageError(f"problem {self.name!r}: give one boundary condition for each of {', '.join(sorted(faces))}")
+
+    @property
+    def dimension(self) -> int:
+        return len(self.lower)
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        return tuple(hi - lo for lo, hi in zip(self.lower, self.upper, strict=True))
+
+    def initial_field(self, quantity: str, points: Array, components: int = 1) -> Array:
+        """Initial values of a quantity at reference positions (P, dim), (P, components)."""
+        if quantity in self.initial:
+            return np.asarray(self.initial[quantity](points), dtype=float).reshape(len(points), components)
+        return np.zeros((len(points), components))
+
+
+@dataclass(frozen=True)
+class Discretisation:
+    """One level of a refinement.
+
+    Parameters
+    ----------
+    h : float
+        Cell or element size [m]; must divide every side of the box.
+    courant : float
+        Courant number nu_C = c dt/h, an upper bound: the time step divides the final time.
+    ppc : int
+        Particles per cell and dimension; grid-based solvers ignore it.
+
+    Raises
+    ------
+    UsageError
+        If a value is not positive and finite.
+    """
+
+    h: float
+    courant: float
+    ppc: int = 1
+
+    def __post_init__(self) -> None:
+        for name, value in (("cell size", self.h), ("Courant number", self.courant)):
+            if not (math.isfinite(value) and value > 0):
+                raise UsageError(f"the {name} must be positive and finite, not {value!r}")
+        if self.ppc < 1:
+            raise UsageError(f"the number of particles per cell must be at least 1, not {self.ppc!r}")
+
+    def cells(self, problem: Problem) -> tuple[int, ...]:
+        """Number of cells along each side of the problem's box."""
+        counts = tuple(round(length / self.h) for length in problem.lengths)
+        for count, length in zip(counts, problem.lengths, strict=True):
+            if count < 1 or abs(count * self.h - length) > 1e-9 * length:
+                raise UsageError(f"problem {problem.name!r}: a cell size of {self.h!r} does not divide the side {length!r}")
+        return counts
+
+    def time_steps(self, problem: Problem) -> tuple[int, float]:
+        """Number of steps and the step [s]: the fewest equal steps that respect the Courant number."""
+        limit = self.courant * self.h / problem.material.wave_speed
+        steps = max(1, math.ceil(problem.end_time / limit - 1e-9))
+        return steps, problem.end_time / steps
+
+
+def output_steps(steps: int, outputs: int) -> NDArray[np.int64]:
+    """Steps at which fields are returned: 0, the last one and evenly between, at most one output a step."""
+    count = min(steps, outputs)
+    return np.round(np.arange(count + 1) * (steps / count)).astype(np.int64)
+
+
+def require(condition: Any, solver: str, problem: Problem, what: str) -> None:
+    """Raise a `UsageError` when a solver cannot take a problem, and say what it can take."""
+    if not condition:
+        raise UsageError(f"solver {solver!r} cannot solve {problem.name!r}: it takes {what}")

@@ -1,0 +1,1 @@
+"""Compact reference solvers: explicit MPM, two-step Taylor-Galerkin, and FEM on scikit-fem as the independent oracle."""

@@ -1,0 +1,1 @@
+"""Explicit material point method."""
