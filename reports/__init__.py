@@ -1,1 +1,3 @@
 """tbd."""
+def render(results, *, fresh=False):
+    return results.report/"index.html"

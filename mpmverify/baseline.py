@@ -1,0 +1,128 @@
+"""The regression gate: error magnitudes against a committed baseline, accepted by a command with a reason.
+
+A loss by a constant factor leaves every order unchanged; this gate sees it.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmverify.errors import ResultsError
+from mpmverify.gate import Evidence, Judgement, Verdict
+from mpmverify.norms import NORMS
+
+TITLE = "errors against the accepted baseline"
+RELATIVE = 0.01
+"""Change of an error norm that counts; compilers and libraries change the last digits only."""
+NOISE = 1e-11
+"""Errors relative to the exact norm below which a change is round-off."""
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """Accepted error norms.
+
+    Parameters
+    ----------
+    path : Path
+    entries : mapping
+        study -> solver -> "case | refinement" -> level -> "quantity norm" -> absolute error.
+    accepted : list of mapping
+        Who accepted what, when and why; the newest last.
+    """
+
+    path: Path
+    entries: dict[str, Any] = field(default_factory=dict)
+    accepted: list[dict[str, str]] = field(default_factory=list)
+
+    @property
+    def source(self) -> str:
+        if not self.accepted:
+            return "no baseline"
+        last = self.accepted[-1]
+        return f"baseline accepted on {last['date']}: {last['reason']}"
+
+    def judge(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> Judgement:
+        """Compare the errors of one series with the accepted ones: worse fails, better asks to be accepted."""
+        bad = [
+            f"h={h:g}: {outcome}" for h, outcome in zip(evidence.h, evidence.outcomes, strict=True) if outcome != "completed"
+        ]
+        if bad:
+            return Verdict.ERROR, "; ".join(bad)
+        accepted = self.entries.get(study, {}).get(solver, {}).get(f"{case} | {refinement}", {})
+        worse, better, missing, compared = [], [], [], 0
+        for k, (level, values) in enumerate(levels(evidence)):
+            known = accepted.get(level)
+            if known is None:
+                missing.append(level)
+                continue
+            missing.extend(f"{name} at {level}" for name in values.keys() ^ known.keys())
+            for name in values.keys() & known.keys():
+                now, then = values[name], known[name]
+                if not np.isfinite(now):
+                    return Verdict.ERROR, f"{name} at {level} is not finite"
+                compared += 1
+                quantity, _, norm = name.partition(" ")
+                noise = NOISE * (evidence.reference[quantity][k, NORMS.index(norm)] or 1.0)
+                if now > then * (1 + RELATIVE) + noise:
+                    worse.append((now / max(then, noise), f"{name} at {level} rose from {then:.3e} to {now:.3e}"))
+                elif now < then * (1 - RELATIVE) - noise:
+                    better.append((now / then, f"{name} at {level} fell from {then:.3e} to {now:.3e}"))
+        if worse:
+            return Verdict.FAIL, f"{max(worse)[1]} ({len(worse)} of {compared} errors are worse)"
+        if better:
+            return (
+                Verdict.INCONCLUSIVE,
+                f"{min(better)[1]} ({len(better)} of {compared} are better): find out why, then accept the baseline",
+            )
+        if missing:
+            return Verdict.INCONCLUSIVE, f"not in the baseline: {missing[0]} ({len(missing)} in all): accept the baseline"
+        return Verdict.PASS, f"{compared} errors within {RELATIVE:.0%} of the baseline"
+
+    def updated(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> None:
+        """Take over the errors of one series."""
+        series = self.entries.setdefault(study, {}).setdefault(solver, {}).setdefault(f"{case} | {refinement}", {})
+        series |= dict(levels(evidence))
+
+    def write(self) -> None:
+        """Write the baseline, sorted, so that a change reads well in version control."""
+        body = {"accepted": self.accepted, "errors": self.entries}
+        text = json.dumps(body, indent=1, sort_keys=True) + "\n"
+        try:
+            self.path.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise ResultsError(
+                f"cannot write the baseline '{self.path}' ({error.strerror}): choose another with --baseline"
+            ) from error
+
+
+def levels(evidence: Evidence) -> Iterator[tuple[str, Mapping[str, float]]]:
+    """Identity of each level, and its absolute error norms to seven digits by quantity and norm."""
+    for k, (h, courant, ppc) in enumerate(zip(evidence.h, evidence.courant, evidence.ppc, strict=True)):
+        values = {
+            f"{quantity} {norm}": float(f"{table[k, n]:.6e}")
+            for quantity, table in evidence.error.items()
+            for n, norm in enumerate(NORMS)
+        }
+        yield f"h={h:.9g} nu_C={courant:.9g} ppc={ppc}", values
+
+
+def read_baseline(path: Path) -> Baseline:
+    """Read a baseline; a missing file is an empty one.
+
+    Raises
+    ------
+    ResultsError
+        If the file is damaged or foreign.
+    """
+    try:
+        body = json.loads(path.read_text(encoding="utf-8"))
+        return Baseline(path, body["errors"], body["accepted"])
+    except FileNotFoundError:
+        return Baseline(path)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ResultsError(f"'{path}' is not an mpmverify baseline: restore it, or choose another with --baseline") from error

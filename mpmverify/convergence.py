@@ -1,0 +1,241 @@
+"""Orders of convergence with intervals, and what kind of series it is: plain arrays in, no solver near.
+
+A series is a set of levels (h, error). It is sorted by h, its levels at round-off are dropped, then its coarse levels that
+are not yet asymptotic, each by name and with the reason; what is left is fitted.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from scipy import optimize, stats
+
+from mpmverify.errors import UsageError
+from mpmverify.problem import Array
+
+ROUND_OFF = 1e-12
+"""Relative error at and below which a level says nothing about the order of a double-precision scheme."""
+CONFIDENCE = 0.95
+FLAT = 0.25
+"""A series whose fitted order is smaller in magnitude does not converge (stagnant) nor diverge."""
+
+
+class Classification(StrEnum):
+    """What kind of error series it is."""
+
+    ASYMPTOTIC = "asymptotic"
+    PRE_ASYMPTOTIC = "pre-asymptotic"
+    ROUND_OFF_FLOOR = "round-off floor"
+    OTHER_FLOOR = "other-error floor"
+    STAGNANT = "stagnant"
+    DIVERGENT = "divergent"
+    SUPERCONVERGENT = "superconvergent"
+    NON_FINITE = "non-finite"
+    TOO_SHORT = "too few levels"
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Least-squares line through (log h, log E).
+
+    Parameters
+    ----------
+    order : float
+        Slope p of E = A h^p.
+    low, high : float
+        Confidence interval of the slope by Student's t with n - 2 degrees of freedom; infinite with two levels.
+    constant : float
+        A, in the unit of the error per unit of h^p.
+    """
+
+    order: float
+    low: float
+    high: float
+    constant: float
+
+
+@dataclass(frozen=True)
+class FloorFit:
+    """E = E0 + A h^p, fitted to relative errors; `residual` is the root mean square of log(E/fit)."""
+
+    floor: float
+    constant: float
+    order: float
+    residual: float
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """Full analysis of one error series, coarsest level first.
+
+    Parameters
+    ----------
+    h, error : Array
+        All levels (n,), sorted by decreasing h.
+    pairwise : Array
+        Observed order of each neighbouring pair (n - 1,); NaN where an error is zero or not finite.
+    kept : Array of bool
+        Levels in the fit (n,).
+    dropped : tuple of str
+        One sentence for each dropped level or group of levels.
+    fit : Fit or None
+        None with fewer than two usable levels or a non-finite error.
+    floor : FloorFit or None
+        Set when the series is at an error floor above round-off.
+    classification : Classification
+    """
+
+    h: Array
+    error: Array
+    pairwise: Array
+    kept: np.ndarray
+    dropped: tuple[str, ...]
+    fit: Fit | None
+    floor: FloorFit | None
+    classification: Classification
+
+
+def pairwise_orders(h: Array, error: Array) -> Array:
+    """Return log(E_i/E_{i+1}) / log(h_i/h_{i+1}) from the actual h, (n - 1,); NaN where undefined."""
+    usable = np.isfinite(error) & (error > 0)
+    log_error = np.log(np.where(usable, error, 1.0))
+    orders = np.diff(log_error) / np.diff(np.log(h))
+    return np.where(usable[:-1] & usable[1:], orders, np.nan)
+
+
+def fit_order(h: Array, error: Array, confidence: float = CONFIDENCE) -> Fit:
+    """Fit E = A h^p to at least two levels of positive, finite error."""
+    x, y = np.log(h), np.log(error)
+    dx = x - x.mean()
+    sxx = float(dx @ dx)
+    order = float(dx @ y) / sxx
+    intercept = float(y.mean() - order * x.mean())
+    half_width = math.inf
+    if len(h) > 2:
+        residual = y - (intercept + order * x)
+        standard_error = math.sqrt(float(residual @ residual) / (len(h) - 2) / sxx)
+        half_width = float(stats.t.ppf(0.5 + confidence / 2, len(h) - 2)) * standard_error
+    return Fit(order, order - half_width, order + half_width, math.exp(intercept))
+
+
+def fit_floor(h: Array, error: Array) -> FloorFit:
+    """Fit E = E0 + A h^p, E0 >= 0 and A >= 0, to at least four levels.
+
+    Notes
+    -----
+    The relative residual is linear in (E0, A) at fixed p; p is then found by a bounded scalar search.
+    """
+
+    def at(order: float) -> tuple[Array, float]:
+        columns = np.column_stack([np.ones_like(h), h**order]) / error[:, None]
+        return optimize.nnls(columns, np.ones_like(h))
+
+    best = optimize.minimize_scalar(lambda order: at(order)[1], bounds=(0.1, 8.0), method="bounded", options={"xatol": 1e-4})
+    (floor, constant), _ = at(best.x)
+    model = floor + constant * h**best.x
+    return FloorFit(float(floor), float(constant), float(best.x), float(np.sqrt(np.mean(np.log(error / model) ** 2))))
+
+
+def analyse(
+    h: Sequence[float] | Array,
+    error: Sequence[float] | Array,
+    *,
+    expected: tuple[float, float] | None = None,
+    round_off: float = ROUND_OFF,
+    confidence: float = CONFIDENCE,
+) -> Convergence:
+    """Analyse an error series.
+
+    Parameters
+    ----------
+    h : array-like
+        Level sizes (n,), positive, finite and distinct, in any order: a cell size, a time step, or 1/ppc.
+    error : array-like
+        Errors (n,), relative to the size of the exact solution for `round_off` to mean what it says.
+    expected : (float, float), optional
+        Accepted band of orders; an interval wholly above it makes the series superconvergent.
+    round_off : float
+        Levels at or below it are dropped.
+    confidence : float
+        Of the interval of the fitted order.
+
+    Raises
+    ------
+    UsageError
+        If the arrays do not match, or an h is not positive, finite and distinct, or an error is negative.
+    """
+    h, error = np.asarray(h, dtype=float), np.asarray(error, dtype=float)
+    if h.ndim != 1 or h.shape != error.shape or not len(h):
+        raise UsageError(
+            f"h and error must be two lists of the same positive length, not of shapes {h.shape} and {error.shape}"
+        )
+    if not np.all(np.isfinite(h) & (h > 0)) or len(np.unique(h)) < len(h):
+        raise UsageError("every h must be positive, finite and given once")
+    if np.any(error < 0):
+        raise UsageError("an error norm cannot be negative")
+    descending = np.argsort(-h)
+    h, error = h[descending], error[descending]
+    pairwise = pairwise_orders(h, error)
+
+    def result(
+        kind: Classification, kept: np.ndarray, dropped: list[str], fit: Fit | None = None, floor: FloorFit | None = None
+    ) -> Convergence:
+        return Convergence(h, error, pairwise, kept, tuple(dropped), fit, floor, kind)
+
+    everything = np.ones(len(h), dtype=bool)
+    if not np.all(np.isfinite(error)):
+        return result(Classification.NON_FINITE, ~everything, [])
+    kept = error > round_off
+    dropped = [f"h={size:g}: at round-off ({value:.1e})" for size, value in zip(h[~kept], error[~kept], strict=True)]
+    if kept.sum() < 3:
+        kind = Classification.ROUND_OFF_FLOOR if (~kept).any() else Classification.TOO_SHORT
+        return result(kind, kept, dropped, fit_order(h[kept], error[kept], confidence) if kept.sum() == 2 else None)
+
+    floor = significant_floor(h[kept], error[kept])
+    fit = fit_order(h[kept], error[kept], confidence)
+    # A coarse level goes when four finer ones are left and the interval at least halves without it.
+    while kept.sum() > 4 and floor is None:
+        finer = kept.copy()
+        finer[np.flatnonzero(kept)[0]] = False
+        without = fit_order(h[finer], error[finer], confidence)
+        if without.high - without.low > 0.5 * (fit.high - fit.low):
+            break
+        dropped.append(
+            f"h={h[np.flatnonzero(kept)[0]]:g}: pre-asymptotic (order {fit.order:.2f} with it, {without.order:.2f} without)"
+        )
+        kept, fit = finer, without
+
+    if fit.high < 0 or fit.order < -FLAT:
+        kind = Classification.DIVERGENT
+    elif floor is not None:
+        kind = Classification.OTHER_FLOOR
+    elif abs(fit.order) <= FLAT:
+        kind = Classification.STAGNANT
+    elif expected is not None and fit.low > expected[1]:
+        kind = Classification.SUPERCONVERGENT
+    elif fit.high - fit.low > 0.5 * max(1.0, abs(fit.order)):
+        kind = Classification.PRE_ASYMPTOTIC
+    else:
+        kind = Classification.ASYMPTOTIC
+    return result(kind, kept, dropped, fit, floor)
+
+
+def significant_floor(h: Array, error: Array) -> FloorFit | None:
+    """E0 + A h^p when it explains a levelling series far better than A h^p does, else None.
+
+    Notes
+    -----
+    A floor shows when the last observed order is below half of the best one, E0 is more than half of the smallest error and
+    the fit's residual is below a third of the pure power law's. At least four levels are needed.
+    """
+    if len(h) < 4:
+        return None
+    orders = pairwise_orders(h, error)
+    if not (orders.max() > 0.5 and orders[-1] < 0.5 * orders.max()):
+        return None
+    line = fit_order(h, error)
+    spread = float(np.sqrt(np.mean(np.log(error / (line.constant * h**line.order)) ** 2)))
+    floor = fit_floor(h, error)
+    return floor if floor.floor > 0.5 * error.min() and floor.residual < spread / 3 else None

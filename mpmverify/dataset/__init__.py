@@ -1,0 +1,1 @@
+"""Results as netCDF: one file per finished run, one DataTree per study."""

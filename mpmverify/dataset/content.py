@@ -1,0 +1,128 @@
+"""Content keys: two runs share a key when problem, solver, discretisation and the code that they use are the same."""
+
+import ast
+import dataclasses
+import hashlib
+import importlib.util
+import json
+import platform
+import sys
+from collections.abc import Iterable, Mapping
+from enum import Enum
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from mpmverify.errors import UsageError
+
+NUMERICAL_LIBRARIES = ("numpy", "scipy", "numba", "scikit-fem")
+
+
+def digest(*parts: Any, code: Iterable[str] = ()) -> str:
+    """Return a hexadecimal digest of values, the sources of their classes and the numerical libraries.
+
+    Parameters
+    ----------
+    *parts : object
+        Values: numbers, strings, frozen dataclasses, functions of a module, and tuples and mappings of them.
+    code : iterable of str
+        Further modules that the result depends on.
+
+    Raises
+    ------
+    UsageError
+        If a part is not a value: a lambda, a closure, an open object.
+    """
+    modules = set(code)
+    body = json.dumps([canonical(part, modules) for part in parts], sort_keys=True)
+    code = {name: source_digest(name) for name in sorted(import_closure(modules))}
+    return hashlib.sha256(f"{body}{json.dumps(code)}{json.dumps(library_versions())}".encode()).hexdigest()[:24]
+
+
+def canonical(value: Any, modules: set[str]) -> Any:
+    """Reduce a value to JSON, and collect the modules of the classes and functions that it is made of."""
+    if value is None or (isinstance(value, bool | int | str) and not isinstance(value, Enum)):
+        return value
+    if isinstance(value, float):
+        return value.hex()
+    if isinstance(value, Enum):
+        return [type(value).__qualname__, canonical(value.value, modules)]
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        modules.add(type(value).__module__)
+        fields = {f.name: canonical(getattr(value, f.name), modules) for f in dataclasses.fields(value)}
+        return [f"{type(value).__module__}.{type(value).__qualname__}", fields]
+    if isinstance(value, Mapping):
+        return {str(name): canonical(entry, modules) for name, entry in value.items()}
+    if isinstance(value, tuple | list):
+        return [canonical(entry, modules) for entry in value]
+    if callable(value) and getattr(value, "__closure__", value) is None and "<" not in value.__qualname__:
+        modules.add(value.__module__)
+        return f"{value.__module__}.{value.__qualname__}"
+    raise UsageError(f"{value!r} has no content key: use numbers, strings, frozen dataclasses and module-level functions")
+
+
+@cache
+def library_versions() -> dict[str, str]:
+    """Versions that can change a result, by name."""
+    return {"python": platform.python_version(), "machine": platform.machine()} | {
+        name: metadata.version(name) for name in NUMERICAL_LIBRARIES
+    }
+
+
+def import_closure(modules: Iterable[str]) -> set[str]:
+    """Modules reached by imports from some modules within their own top-level packages."""
+    reached: set[str] = set()
+    pending = list(modules)
+    while pending:
+        name = pending.pop()
+        if name not in reached and source_path(name) is not None:
+            reached.add(name)
+            pending.extend(imported_siblings(name))
+    return reached
+
+
+@cache
+def source_path(module: str) -> Path | None:
+    """File of a module, or None when it is no Python source or does not exist."""
+    loaded = sys.modules.get(module)
+    origin = getattr(loaded, "__file__", None)
+    if origin is None:
+        try:
+            spec = importlib.util.find_spec(module)
+        except (ImportError, ValueError):
+            return None
+        origin = spec.origin if spec else None
+    return Path(origin) if origin and origin.endswith(".py") else None
+
+
+@cache
+def source_digest(module: str) -> str:
+    path = source_path(module)
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path else ""
+
+
+@cache
+def imported_siblings(module: str) -> frozenset[str]:
+    """Names that a module imports from its own top-level package, whether they are modules or attributes of one."""
+    path = source_path(module)
+    if path is None:
+        return frozenset()
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                base = importlib.util.resolve_name("." * node.level + base, package)
+            names.add(base)
+            names.update(f"{base}.{alias.name}" for alias in node.names)
+    top = module.partition(".")[0]
+    return frozenset(name for name in names if name.partition(".")[0] == top)
+
+
+def file_digest(path: Path) -> str:
+    """Digest of a file's bytes; "" when there is none."""
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.exists() else ""

@@ -1,0 +1,55 @@
+"""Where a result comes from: commit, versions, platform, time."""
+
+import platform
+import subprocess
+from datetime import UTC, datetime
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+import mpmverify
+from mpmverify.dataset.content import library_versions
+from mpmverify.dataset.files import SCHEMA
+
+
+@cache
+def commit() -> tuple[str, str]:
+    """Return (commit, "clean" or "dirty") of the checkout that the package runs from; ("none", "installed") outside one."""
+    root = Path(mpmverify.__file__).parent.parent
+
+    def git(*arguments: str) -> str:
+        done = subprocess.run(["git", "-C", root, *arguments], capture_output=True, text=True, check=True, timeout=20)
+        return done.stdout.strip()
+
+    try:
+        if not git("ls-files", "mpmverify/__init__.py"):
+            return "none", "installed"
+        return git("rev-parse", "HEAD"), "dirty" if git("status", "--porcelain") else "clean"
+    except (OSError, subprocess.SubprocessError):
+        return "none", "installed"
+
+
+def attributes(kind: str, title: str, summary: str) -> dict[str, str | int]:
+    """Global attributes of a file: CF-1.11, ACDD-1.3 and provenance."""
+    revision, state = commit()
+    versions = library_versions() | {name: metadata.version(name) for name in ("xarray", "netCDF4")}
+    now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    return {
+        "Conventions": "CF-1.11, ACDD-1.3",
+        "title": title,
+        "summary": summary,
+        "keywords": "verification, convergence, material point method, finite element method, wave propagation",
+        "source": f"mpmverify {mpmverify.__version__}",
+        "history": f"{now} written by mpmverify {mpmverify.__version__}",
+        "date_created": now,
+        "creator_name": "mpmverify",
+        "creator_type": "institution",
+        "standard_name_vocabulary": "none",
+        "processing_level": "numerical experiment" if kind == "run" else "errors, orders and verdicts",
+        "mpmverify_kind": kind,
+        "mpmverify_schema": SCHEMA,
+        "commit": revision,
+        "commit_state": state,
+        "versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
+        "platform": platform.platform(),
+    }

@@ -1,0 +1,99 @@
+"""One finished run as one netCDF file."""
+
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from mpmverify.dataset import provenance
+from mpmverify.dataset.files import check_ours, write_atomic
+from mpmverify.errors import ResultsError
+from mpmverify.problem import UNITS, Array
+from mpmverify.solution import Outcome, Solution, Status, Work
+
+HISTORY_UNITS = {
+    "time": "s",
+    "mass": "kg m-2",
+    "momentum": "kg m-1 s-1",
+    "impulse": "kg m-1 s-1",
+    "kinetic_energy": "J m-2",
+    "strain_energy": "J m-2",
+    "external_work": "J m-2",
+    "inflow": "m",
+}
+"""Histories are per unit cross-section; the mass of a transported scalar is its integral, in m."""
+
+
+def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
+    """Write a solution; see `Solution` for what each variable holds."""
+
+    def write(temporary: Path) -> None:
+        with netCDF4.Dataset(temporary, "w") as file:
+            file.setncatts(provenance.attributes("run", title, "Fields and histories of one run of one solver."))
+            file.setncatts(
+                {
+                    "id": key,
+                    "status": solution.outcome.status.value,
+                    "detail": solution.outcome.detail,
+                    "dt": solution.dt,
+                    "steps": solution.work.steps,
+                    "point_steps": solution.work.point_steps,
+                    "seconds": solution.work.seconds,
+                }
+            )
+            sizes = {
+                "time": len(solution.time),
+                "point": len(solution.reference),
+                "dimension": solution.reference.shape[1],
+                "step": len(solution.histories["time"]),
+            }
+            for name, size in sizes.items():
+                file.createDimension(name, size)
+
+            def put(name: str, dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> None:
+                variable = file.createVariable(name, "f8", dimensions, zlib=values.size > 4096, complevel=1)
+                variable.setncatts({"units": units, "long_name": long_name})
+                variable[...] = values
+
+            put("time", ("time",), solution.time, "s", "output time")
+            put("reference", ("point", "dimension"), solution.reference, "m", "reference position of the sample points")
+            put("position", ("time", "point", "dimension"), solution.position, "m", "current position of the sample points")
+            put("weight", ("time", "point"), solution.weight, "m", "quadrature weight of the sample points")
+            for quantity, values in solution.fields.items():
+                components = f"{quantity}_component"
+                file.createDimension(components, values.shape[2])
+                put(quantity, ("time", "point", components), values, UNITS[quantity], quantity)
+            for name, values in solution.histories.items():
+                put(f"history_{name}", ("step",), values, HISTORY_UNITS[name], name.replace("_", " "))
+
+    write_atomic(path, write)
+
+
+def read_run(path: Path, key: str) -> Solution:
+    """Read a solution back.
+
+    Raises
+    ------
+    ResultsError
+        If the file is missing, unreadable, foreign, or belongs to another key.
+    """
+    attributes = check_ours(path, "run")
+    if attributes["id"] != key:
+        raise ResultsError(f"'{path}' holds the run {attributes['id']}: delete it")
+    try:
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
+            variables = {name: np.asarray(variable[...]) for name, variable in file.variables.items()}
+    except (OSError, RuntimeError) as error:
+        raise ResultsError(f"'{path}' is damaged: delete it, and it will be solved again") from error
+    return Solution(
+        time=variables["time"],
+        dt=float(attributes["dt"]),
+        reference=variables["reference"],
+        position=variables["position"],
+        weight=variables["weight"],
+        fields={name: values for name, values in variables.items() if name in UNITS},
+        histories={name.removeprefix("history_"): v for name, v in variables.items() if name.startswith("history_")},
+        work=Work(int(attributes["steps"]), int(attributes["point_steps"]), float(attributes["seconds"])),
+        outcome=Outcome(Status(attributes["status"]), str(attributes["detail"])),
+    )

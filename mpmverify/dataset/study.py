@@ -1,0 +1,259 @@
+"""One study as one DataTree: levels, errors, fits and verdicts by solver, with the profiles that the pages show.
+
+Layout
+------
+/                    case metadata, provenance
+/<solver>            error(level, quantity, norm), fits by series, verdicts by criterion
+/<solver>/snapshots  profiles of one level of each series: contiguous ragged arrays, one row an output time
+/<solver>/histories  energy, momentum, mass and impulse of the same runs: contiguous ragged arrays, one row a series
+"""
+
+import dataclasses
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmverify.dataset import provenance
+from mpmverify.dataset.files import check_ours, write_atomic
+from mpmverify.dataset.level import Level, SeriesId, Snapshots
+from mpmverify.dataset.runs import HISTORY_UNITS
+from mpmverify.errors import ResultsError
+from mpmverify.gate import Evidence
+from mpmverify.norms import NORMS
+from mpmverify.problem import UNITS, Array
+from mpmverify.study import Case, Study
+
+
+def build(
+    study: Study,
+    tier: str,
+    inputs: str,
+    levels: Sequence[Level],
+    snapshots: Mapping[SeriesId, Snapshots],
+) -> xr.DataTree:
+    """Make the tree of a study, without fits and verdicts."""
+    groups = {"/": _root(study, tier, inputs)}
+    for _, series in study.series():
+        name = series.solver.name
+        if f"/{name}" in groups:
+            continue
+        mine = [level for level in levels if level.solver == name]
+        groups[f"/{name}"] = _levels(mine).assign_attrs(
+            solver=name, scheme=_describe(series.solver), orders=json.dumps(dict(series.solver.orders))
+        )
+        shown = [shot for (_, solver, _), shot in snapshots.items() if solver == name]
+        if shown:
+            groups[f"/{name}/snapshots"] = _profiles(shown)
+            groups[f"/{name}/histories"] = _histories(shown)
+    return xr.DataTree.from_dict(groups)
+
+
+def _describe(value: Any) -> str:
+    choices = ", ".join(f"{f.name}={getattr(value, f.name)!r}" for f in dataclasses.fields(value))
+    return f"{type(value).__name__}({choices})"
+
+
+def text(values: Sequence[str]) -> np.ndarray:
+    return np.array(list(values), dtype=object)
+
+
+def _root(study: Study, tier: str, inputs: str) -> xr.Dataset:
+    def each(read: Any) -> tuple[str, np.ndarray]:
+        return "case", text([read(case) for case in study.cases])
+
+    return xr.Dataset(
+        {
+            "exposes": each(lambda case: case.problem.exposes),
+            "citation": each(lambda case: case.problem.exact.citation),
+            "equations": each(lambda case: json.dumps(case.problem.equations)),
+            "setup": each(lambda case: json.dumps(_setup(case))),
+            "shown": each(lambda case: case.shown),
+        },
+        coords={"case": ("case", text([case.name for case in study.cases]))},
+        attrs=provenance.attributes("study", study.title, study.summary)
+        | {"id": study.name, "tier": tier, "inputs": inputs, "seeds": "none: no run is random"},
+    )
+
+
+def _setup(case: Case) -> dict[str, str]:
+    problem = case.problem.problem
+    return {
+        "domain": " x ".join(f"[{lo:g}, {hi:g}] m" for lo, hi in zip(problem.lower, problem.upper, strict=True)),
+        "material": _describe(problem.material),
+        "wave speed": f"{problem.material.wave_speed:g} m/s",
+        "final time": f"{problem.end_time:g} s",
+    } | {f"face {face}": _describe(condition) for face, condition in problem.boundary.items()}
+
+
+def _levels(levels: Sequence[Level]) -> xr.Dataset:
+    quantities = list(dict.fromkeys(quantity for level in levels for quantity in level.errors))
+    metrics = sorted({name for level in levels for name in level.metrics})
+    absent = np.full(len(NORMS), np.nan)
+    table = np.array([[level.errors.get(q, (absent, absent)) for q in quantities] for level in levels], dtype=float)
+    table = table.reshape(len(levels), len(quantities), 2, len(NORMS))
+    error, size = table[:, :, 0], table[:, :, 1]
+    dims = ("level", "quantity", "norm")
+
+    def each(read: Any, units: str | None = None, long_name: str = "") -> tuple[str, Any, dict[str, str]]:
+        values = [read(level) for level in levels]
+        if units is None:
+            return "level", text(values), {"long_name": long_name}
+        return "level", np.array(values), {"units": units, "long_name": long_name}
+
+    return xr.Dataset(
+        {
+            "error": (
+                dims,
+                error / np.where(size > 0, size, 1.0),
+                {"units": "1", "long_name": "error relative to the exact norm"},
+            ),
+            "error_absolute": (dims, error, {"long_name": "error norm", "comment": "units: norm_units"}),
+            "exact_norm": (dims, size, {"long_name": "norm of the exact field", "comment": "units: norm_units"}),
+            "metric": (
+                ("level", "metric_name"),
+                np.array([[level.metrics.get(name, np.nan) for name in metrics] for level in levels]).reshape(
+                    len(levels), len(metrics)
+                ),
+                {"units": "1", "long_name": "what the criteria measured on the solutions"},
+            ),
+            "steps": each(lambda level: level.steps, "1", "time steps"),
+            "point_steps": each(lambda level: level.point_steps, "1", "sample points times steps"),
+            "seconds": each(lambda level: level.seconds, "s", "wall time without compilation"),
+            "outcome": each(lambda level: level.outcome, None, "how the run ended"),
+            "run": each(lambda level: level.key, None, "key of the run file"),
+        },
+        coords={
+            "case": each(lambda level: level.case, None, "case"),
+            "refinement": each(lambda level: level.refinement, None, "ladder"),
+            "h": each(lambda level: level.h, "m", "cell size"),
+            "dt": each(lambda level: level.dt, "s", "time step"),
+            "courant": each(lambda level: level.courant, "1", "Courant number"),
+            "ppc": each(lambda level: level.ppc, "1", "particles per cell"),
+            "quantity": ("quantity", text(quantities)),
+            "norm": ("norm", text(NORMS)),
+            "norm_units": ("quantity", text([f"{UNITS[q]} times m, m^0.5 or 1 in L1, L2, Linf" for q in quantities])),
+            "metric_name": ("metric_name", text(metrics)),
+        },
+    )
+
+
+def _profiles(shots: Sequence[Snapshots]) -> xr.Dataset:
+    quantities = list(dict.fromkeys(quantity for shot in shots for quantity in shot.fields))
+
+    def column(read: Any) -> Array:
+        return np.concatenate([np.asarray(read(shot), dtype=float).ravel() for shot in shots])
+
+    def of(table: str, quantity: str) -> Array:
+        return column(lambda shot: getattr(shot, table).get(quantity, np.full(shot.position.shape[:2], np.nan)))
+
+    variables: dict[str, Any] = {
+        "reference": (
+            "obs",
+            column(lambda s: np.broadcast_to(s.reference, s.position.shape)),
+            {"units": "m", "long_name": "reference position"},
+        ),
+        "position": ("obs", column(lambda s: s.position), {"units": "m", "long_name": "current position"}),
+    }
+    for quantity in quantities:
+        attributes = {"units": UNITS[quantity], "coordinates": "time position"}
+        variables[quantity] = ("obs", of("fields", quantity), attributes | {"long_name": quantity})
+        variables[f"{quantity}_exact"] = ("obs", of("exact", quantity), attributes | {"long_name": f"exact {quantity}"})
+    rows = [(shot, t) for shot in shots for t in shot.time]
+    return xr.Dataset(
+        variables,
+        coords={
+            "case": ("output", text([shot.case for shot, _ in rows])),
+            "refinement": ("output", text([shot.refinement for shot, _ in rows])),
+            "h": ("output", np.array([shot.h for shot, _ in rows]), {"units": "m", "long_name": "cell size"}),
+            "time": ("output", np.array([t for _, t in rows]), {"units": "s", "long_name": "output time"}),
+            "row_size": (
+                "output",
+                np.array([len(shot.reference) for shot, _ in rows]),
+                {"units": "1", "long_name": "points of the profile", "sample_dimension": "obs"},
+            ),
+        },
+        attrs={"featureType": "trajectoryProfile"},
+    )
+
+
+def _histories(shots: Sequence[Snapshots]) -> xr.Dataset:
+    names = list(dict.fromkeys(name for shot in shots for name in shot.histories))
+    variables = {}
+    for name in names:
+        columns = [shot.histories.get(name, np.full(len(shot.histories["time"]), np.nan)) for shot in shots]
+        attributes = {"units": HISTORY_UNITS[name], "long_name": name.replace("_", " ")}
+        variables[f"history_{name}"] = ("obs", np.concatenate(columns), attributes)
+    return xr.Dataset(
+        variables,
+        coords={
+            "case": ("series", text([shot.case for shot in shots])),
+            "refinement": ("series", text([shot.refinement for shot in shots])),
+            "row_size": (
+                "series",
+                np.array([len(shot.histories["time"]) for shot in shots]),
+                {"units": "1", "long_name": "samples of the history", "sample_dimension": "obs"},
+            ),
+        },
+    )
+
+
+# Reading back: the same numbers, for the judge and for the pages.
+
+
+def solvers(tree: xr.DataTree) -> Iterator[tuple[str, xr.Dataset]]:
+    for name, node in tree.children.items():
+        yield name, node.to_dataset(inherit=False)
+
+
+def series_of(dataset: xr.Dataset) -> dict[tuple[str, str], np.ndarray]:
+    """Level indices of each (case, refinement) of a solver."""
+    table: dict[tuple[str, str], list[int]] = {}
+    for index, identity in enumerate(zip(dataset["case"].values.tolist(), dataset["refinement"].values.tolist(), strict=True)):
+        table.setdefault(identity, []).append(index)
+    return {identity: np.array(indices) for identity, indices in table.items()}
+
+
+def evidence(dataset: xr.Dataset, levels: np.ndarray) -> Evidence:
+    """Evidence of one series of a solver's dataset; quantities and metrics that were not measured on it are absent."""
+    part = dataset.isel(level=levels)
+    error, size, metric = part["error_absolute"].values, part["exact_norm"].values, part["metric"].values
+    quantities = [(k, str(q)) for k, q in enumerate(part["quantity"].values) if np.isfinite(size[:, k]).all()]
+    return Evidence(
+        h=part["h"].values,
+        dt=part["dt"].values,
+        courant=part["courant"].values,
+        ppc=part["ppc"].values,
+        outcomes=tuple(part["outcome"].values.tolist()),
+        error={q: error[:, k] for k, q in quantities},
+        reference={q: size[:, k] for k, q in quantities},
+        metrics={
+            str(name): metric[:, k] for k, name in enumerate(part["metric_name"].values) if not np.isnan(metric[:, k]).all()
+        },
+    )
+
+
+def write_study(path: Path, tree: xr.DataTree) -> None:
+    """Write a tree whole; a foreign file at `path` is never overwritten."""
+    if path.exists():
+        check_ours(path, "study")
+    write_atomic(path, lambda temporary: tree.to_netcdf(temporary, engine="netcdf4"))
+
+
+def read_study(path: Path) -> xr.DataTree:
+    """Read a tree into memory.
+
+    Raises
+    ------
+    ResultsError
+        If the file is missing, unreadable, foreign or damaged.
+    """
+    check_ours(path, "study")
+    try:
+        with xr.open_datatree(path, engine="netcdf4") as tree:
+            return tree.load()
+    except (OSError, RuntimeError, ValueError) as error:
+        raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error

@@ -1,0 +1,174 @@
+"""Fits, criteria and verdicts of a study's tree: judged from the stored numbers alone."""
+
+import dataclasses
+import json
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from mpmverify import baseline as regression
+from mpmverify.convergence import Convergence
+from mpmverify.dataset.study import evidence, series_of, solvers, text
+from mpmverify.errors import UsageError
+from mpmverify.gate import CRITERIA, Criterion, Finding, Verdict, judge
+from mpmverify.norms import NORMS
+from mpmverify.study import Study
+
+
+def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
+    """Return a study's tree with its fits and verdicts made anew: verification by its criteria, regression by the baseline."""
+    study = tree.attrs["id"]
+    for solver, dataset in solvers(tree):
+        table = []
+        declared = criteria(dataset)
+        for (case, refinement), levels in series_of(dataset).items():
+            seen = evidence(dataset, levels)
+            where = {"study": study, "case": case, "solver": solver, "refinement": refinement}
+            for of_case, of_refinement, criterion in declared:
+                if (of_case, of_refinement) == (case, refinement):
+                    verdict, reason = judge(criterion, seen)
+                    finding = Finding(
+                        **where,
+                        gate="verification",
+                        criterion=criterion.title,
+                        verdict=verdict,
+                        reason=reason,
+                        source=criterion.source,
+                    )
+                    table.append(finding)
+            verdict, reason = baseline.judge(study, solver, case, refinement, seen)
+            finding = Finding(
+                **where, gate="regression", criterion=regression.TITLE, verdict=verdict, reason=reason, source=baseline.source
+            )
+            table.append(finding)
+        tree[solver].dataset = with_verdicts(with_fits(dataset), table)
+    return tree
+
+
+def declare(tree: xr.DataTree, study: Study) -> xr.DataTree:
+    """Store the criteria of a study in its tree."""
+    for solver, dataset in solvers(tree):
+        declared = [
+            (case.name, series.refinement.label, criterion)
+            for case, series in study.series()
+            if series.solver.name == solver
+            for criterion in series.criteria
+        ]
+        tree[solver].dataset = with_criteria(dataset, declared)
+    return tree
+
+
+def with_fits(dataset: xr.Dataset) -> xr.Dataset:
+    """Add fits by series, quantity and norm, and the pairwise orders by level, to a solver's dataset."""
+    identities = series_of(dataset)
+    shape = (len(identities), dataset.sizes["quantity"], dataset.sizes["norm"])
+    numbers = {name: np.full(shape, np.nan) for name in ("order", "order_low", "order_high", "floor")}
+    words = {name: np.full(shape, "", dtype=object) for name in ("classification", "dropped")}
+    pairwise = np.full(dataset["error"].shape, np.nan)
+    for row, levels in enumerate(identities.values()):
+        seen = evidence(dataset, levels)
+        for k, quantity in enumerate(dataset["quantity"].values.tolist()):
+            for n, norm in enumerate(NORMS):
+                if quantity not in seen.error:
+                    continue
+                series: Convergence = seen.convergence(quantity, norm)
+                words["classification"][row, k, n] = series.classification.value
+                words["dropped"][row, k, n] = "; ".join(series.dropped)
+                pairwise[levels[np.argsort(-seen.h)][1:], k, n] = series.pairwise
+                if series.fit:
+                    fit = series.fit
+                    for name, value in zip(numbers, (fit.order, fit.low, fit.high), strict=False):
+                        numbers[name][row, k, n] = value
+                if series.floor:
+                    numbers["floor"][row, k, n] = series.floor.floor
+    dims = ("series", "quantity", "norm")
+    meaning = {
+        "order": "fitted order in h",
+        "order_low": "lower end of its 95 % interval",
+        "order_high": "upper end of its 95 % interval",
+        "floor": "relative error floor E0 where one shows",
+    }
+    return dataset.assign(
+        {name: (dims, values, {"units": "1", "long_name": meaning[name]}) for name, values in numbers.items()}
+        | {name: (dims, values) for name, values in words.items()}
+        | {
+            "order_pairwise": (
+                ("level", "quantity", "norm"),
+                pairwise,
+                {"units": "1", "long_name": "observed order from the coarser level"},
+            )
+        }
+    ).assign_coords(
+        series_case=("series", text([case for case, _ in identities])),
+        series_refinement=("series", text([refinement for _, refinement in identities])),
+    )
+
+
+VERDICT_COLUMNS = ("case", "refinement", "gate", "criterion", "verdict", "reason", "source")
+
+
+def with_verdicts(dataset: xr.Dataset, findings: Sequence[Finding]) -> xr.Dataset:
+    """Add the findings of a solver to its dataset, one row a criterion."""
+    columns = {
+        f"verdict_{name}": ("finding", text([str(getattr(finding, name)) for finding in findings])) for name in VERDICT_COLUMNS
+    }
+    return dataset.drop_dims("finding", errors="ignore").assign(columns)
+
+
+def findings(tree: xr.DataTree) -> list[Finding]:
+    """Verdicts that are stored in a study's tree."""
+    table = []
+    for solver, dataset in solvers(tree):
+        columns = [dataset[f"verdict_{name}"].values.tolist() for name in VERDICT_COLUMNS]
+        for row in zip(*columns, strict=True):
+            values = dict(zip(VERDICT_COLUMNS, row, strict=True))
+            verdict = Verdict(values.pop("verdict"))
+            table.append(Finding(study=tree.attrs["id"], solver=solver, verdict=verdict, **values))
+    return table
+
+
+def with_criteria(dataset: xr.Dataset, declared: Sequence[tuple[str, str, Criterion]]) -> xr.Dataset:
+    """Add the declared criteria (case, refinement, criterion) of a solver to its dataset, so that a file can be judged alone."""
+    rows = [
+        (case, refinement, json.dumps({"type": type(criterion).__name__} | dataclasses.asdict(criterion)))  # type: ignore[call-overload]
+        for case, refinement, criterion in declared
+    ]
+    names = ("criterion_case", "criterion_refinement", "criterion_json")
+    return dataset.assign({name: ("criterion", text([row[k] for row in rows])) for k, name in enumerate(names)})
+
+
+def criteria(dataset: xr.Dataset) -> list[tuple[str, str, Criterion]]:
+    """Declared criteria of a solver's dataset."""
+    names = ("criterion_case", "criterion_refinement", "criterion_json")
+    table = []
+    for case, refinement, stored in zip(*(dataset[name].values.tolist() for name in names), strict=True):
+        values = json.loads(stored)
+        table.append((case, refinement, CRITERIA[values.pop("type")](**values)))
+    return table
+
+
+def accepted(baseline: regression.Baseline, trees: Sequence[xr.DataTree], reason: str) -> int:
+    """Take the errors of some studies over into a baseline, and return how many series that were.
+
+    Raises
+    ------
+    UsageError
+        If a run among them did not complete: nothing is taken over then.
+    """
+    count = 0
+    for tree in trees:
+        for solver, dataset in solvers(tree):
+            for (case, refinement), levels in series_of(dataset).items():
+                seen = evidence(dataset, levels)
+                failed = [outcome for outcome in seen.outcomes if outcome != "completed"]
+                if failed or not all(np.isfinite(table).all() for table in seen.error.values()):
+                    where = f"{tree.attrs['id']}/{case}/{solver} ({refinement})"
+                    raise UsageError(f"{where} did not complete on every level: a baseline takes finished runs alone")
+                baseline.updated(tree.attrs["id"], solver, case, refinement, seen)
+                count += 1
+    newest = trees[0].attrs
+    baseline.accepted.append(
+        {"date": newest["date_created"], "commit": f"{newest['commit']} ({newest['commit_state']})", "reason": reason}
+    )
+    return count

@@ -1,0 +1,149 @@
+"""One run from its declaration to its row in the study: solved or read back, compared with the exact solution."""
+
+import dataclasses
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmverify.dataset.content import digest
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.level import Level, Snapshots
+from mpmverify.dataset.runs import read_run, write_run
+from mpmverify.errors import UsageError
+from mpmverify.exact import VerificationProblem
+from mpmverify.gate import Criterion
+from mpmverify.norms import errors
+from mpmverify.problem import Discretisation
+from mpmverify.solution import Outcome, Solution, Solver, Status
+
+SNAPSHOT_OUTPUTS = 32
+HISTORY_SAMPLES = 256
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run and what is measured on it; a value that travels to worker processes.
+
+    Parameters
+    ----------
+    results : Path
+        Results folder.
+    study : str
+    index : int
+        Position among the runs of the study.
+    case, refinement : str
+        Where the run stands in its study.
+    problem : VerificationProblem
+    solver : Solver
+    discretisation : Discretisation
+    criteria : tuple of Criterion
+    key : str
+        Content key of the run.
+    shown : bool
+        Whether its profiles and histories go into the study's file.
+    reuse : bool
+        Whether a finished run may be read back.
+    """
+
+    results: Path
+    study: str
+    index: int
+    case: str
+    refinement: str
+    problem: VerificationProblem
+    solver: Solver
+    discretisation: Discretisation
+    criteria: tuple[Criterion, ...]
+    key: str
+    shown: bool = False
+    reuse: bool = True
+
+    def __str__(self) -> str:
+        return f"{self.study} / {self.case} / {self.solver.name} / {self.refinement} / h={self.discretisation.h:g}"
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """What a task leaves: its row, its profiles when they are shown, and whether it was solved now."""
+
+    level: Level
+    snapshots: Snapshots | None = None
+    solved: bool = False
+
+
+def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discretisation) -> str:
+    """Content key of a run: problem, solver, discretisation, their code and the numerical libraries."""
+    return digest(problem.problem, solver, discretisation)
+
+
+def failed(task: Task, status: Status, detail: str) -> Evaluated:
+    """Row of a run that left no solution: it crashed or timed out. Nothing is stored, so that it is tried again."""
+    return Evaluated(_level(task, Outcome(status, detail)), solved=True)
+
+
+def evaluate(task: Task) -> Evaluated:
+    """Solve, or read back, and compare.
+
+    Raises
+    ------
+    UsageError
+        If the solver cannot take the problem.
+    ResultsError
+        If a run file is damaged or cannot be written.
+    """
+    path = Results(task.results).run(task.key)
+    solved = not (task.reuse and path.exists())
+    if solved:
+        try:
+            solution = task.solver.solve(task.problem.problem, task.discretisation)
+        except UsageError:
+            raise
+        except Exception as error:  # a solver under test may raise anything, and its neighbours must still finish
+            where = traceback.extract_tb(error.__traceback__)[-1]
+            return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})")
+        write_run(path, task.key, solution, str(task))
+    else:
+        solution = read_run(path, task.key)
+    return Evaluated(_compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
+
+
+def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:
+    at = task.discretisation
+    identity = (task.case, task.solver.name, task.refinement, at.h, at.courant, at.ppc, task.key)
+    return Level(*identity, outcome=str(outcome), **measured)
+
+
+def _compare(task: Task, solution: Solution) -> Level:
+    metrics: dict[str, float] = {}
+    table = {}
+    if solution.outcome.completed:
+        table = errors(solution, task.problem.exact)
+        for criterion in task.criteria:
+            metrics |= criterion.measure(solution, task.problem.problem)
+    work = dataclasses.asdict(solution.work)
+    return _level(task, solution.outcome, dt=solution.dt, errors=table, metrics=metrics, **work)
+
+
+def _snapshots(task: Task, solution: Solution) -> Snapshots:
+    outputs = _spread(len(solution.time), SNAPSHOT_OUTPUTS + 1)
+    samples = _spread(len(solution.histories["time"]), HISTORY_SAMPLES + 1)
+    time = solution.time[outputs]
+    return Snapshots(
+        case=task.case,
+        refinement=task.refinement,
+        h=task.discretisation.h,
+        time=time,
+        reference=solution.reference,
+        position=solution.position[outputs],
+        fields={quantity: values[outputs] for quantity, values in solution.fields.items()},
+        exact={q: field(solution.reference, time) for q, field in task.problem.exact.fields.items() if q in solution.fields},
+        histories={name: values[samples] for name, values in solution.histories.items()},
+    )
+
+
+def _spread(count: int, most: int) -> np.ndarray:
+    """Return at most `most` of `count` indices, evenly, with both ends."""
+    return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(int))

@@ -1,0 +1,433 @@
+"""Verdicts: what must hold of a series of runs, judged from stored numbers alone."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+
+from mpmverify.convergence import Classification, Convergence, analyse
+from mpmverify.exact.amplification import two_step_taylor_galerkin
+from mpmverify.norms import NORMS
+from mpmverify.problem import Array, Problem, Transport
+from mpmverify.solution import Solution
+
+
+class Verdict(StrEnum):
+    """Ordered from best to worst."""
+
+    PASS = "PASS"
+    INCONCLUSIVE = "INCONCLUSIVE"
+    FAIL = "FAIL"
+    ERROR = "ERROR"
+
+
+def worst(verdicts: Iterable[Verdict]) -> Verdict:
+    """Return the worst of some verdicts; nothing judged is inconclusive."""
+    order = list(Verdict)
+    return max(verdicts, key=order.index, default=Verdict.INCONCLUSIVE)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What one series of runs, n levels of one solver, left behind.
+
+    Parameters
+    ----------
+    h, dt, courant, ppc : Array
+        Levels (n,).
+    outcomes : tuple of str
+        "completed", or what happened, by level.
+    error, reference : mapping of str to Array
+        Norms of the error and of the exact field by quantity, (n, norms) in the order of `norms.NORMS`.
+    metrics : mapping of str to Array
+        Whatever the criteria measured on the solutions, (n,) by name.
+    """
+
+    h: Array
+    dt: Array
+    courant: Array
+    ppc: Array
+    outcomes: tuple[str, ...]
+    error: Mapping[str, Array] = field(default_factory=dict)
+    reference: Mapping[str, Array] = field(default_factory=dict)
+    metrics: Mapping[str, Array] = field(default_factory=dict)
+
+    def relative(self, quantity: str, norm: str) -> Array:
+        """Error over the exact norm (n,); absolute where the exact field vanishes."""
+        k = NORMS.index(norm)
+        size = self.reference[quantity][:, k]
+        return self.error[quantity][:, k] / np.where(size > 0, size, 1.0)
+
+    def convergence(self, quantity: str, norm: str, expected: tuple[float, float] | None = None) -> Convergence:
+        """Analyse one relative error over the levels in h."""
+        return analyse(self.h, self.relative(quantity, norm), expected=expected)
+
+
+Judgement = tuple[Verdict, str]
+
+
+class Criterion(Protocol):
+    """What must hold. `source` says where the expectation comes from."""
+
+    source: str
+
+    @property
+    def title(self) -> str:
+        """What is judged, in a few words."""
+
+    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+        """Numbers that the judgement needs and only the solution can give, by name."""
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        """Verdict on completed runs, with the reason in one sentence."""
+
+
+class _OfErrors:
+    """A criterion that needs the stored error norms alone."""
+
+    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+        return {}
+
+
+@dataclass(frozen=True)
+class Order(_OfErrors):
+    """The fitted order lies in [low, high].
+
+    Parameters
+    ----------
+    quantity, norm : str
+    low, high : float
+        Accepted band of orders in h.
+    source : str
+    """
+
+    quantity: str
+    norm: str
+    low: float
+    high: float
+    source: str
+
+    @property
+    def title(self) -> str:
+        return f"order of {self.quantity} in {self.norm} in [{self.low:g}, {self.high:g}]"
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        series = evidence.convergence(self.quantity, self.norm, (self.low, self.high))
+        kind, fit = series.classification, series.fit
+        if kind is Classification.NON_FINITE:
+            return Verdict.ERROR, "the error is not finite on at least one level"
+        if series.kept.sum() < 3 or fit is None:
+            return (
+                Verdict.INCONCLUSIVE,
+                f"{series.kept.sum()} of {len(series.h)} levels can be used ({kind}); an order needs three",
+            )
+        measured = f"order {fit.order:.3f}, interval [{fit.low:.3f}, {fit.high:.3f}] from {series.kept.sum()} levels ({kind})"
+        if series.floor is not None:
+            return Verdict.FAIL, f"the error stops at a floor of {series.floor.floor:.2e} of the solution: {measured}"
+        if kind in (Classification.STAGNANT, Classification.DIVERGENT) and self.low > 0.5:
+            return Verdict.FAIL, f"the error does not converge: {measured}"
+        if fit.high < self.low or fit.low > self.high:
+            return Verdict.FAIL, f"{measured} lies outside [{self.low:g}, {self.high:g}]"
+        if fit.low < self.low or fit.high > self.high:
+            return Verdict.INCONCLUSIVE, f"{measured} straddles an edge of [{self.low:g}, {self.high:g}]"
+        return Verdict.PASS, measured
+
+
+@dataclass(frozen=True)
+class Stall(_OfErrors):
+    """The scheme is known not to converge: the last two observed orders are below a bound.
+
+    Parameters
+    ----------
+    quantity, norm : str
+    below : float
+        Bound on the order.
+    source : str
+    """
+
+    quantity: str
+    norm: str
+    below: float
+    source: str
+
+    @property
+    def title(self) -> str:
+        return f"{self.quantity} in {self.norm} stalls (order below {self.below:g})"
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        series = evidence.convergence(self.quantity, self.norm)
+        last = series.pairwise[-2:]
+        if series.classification is Classification.NON_FINITE:
+            return Verdict.ERROR, "the error is not finite on at least one level"
+        if len(last) < 2 or not np.all(np.isfinite(last)):
+            return Verdict.INCONCLUSIVE, "a stall needs three levels with an error above zero"
+        measured = f"last observed orders {last[0]:.2f} and {last[1]:.2f} ({series.classification})"
+        if np.all(last < self.below):
+            return Verdict.PASS, measured
+        return (
+            Verdict.FAIL if np.all(last >= self.below) else Verdict.INCONCLUSIVE
+        ), f"{measured}, not both below {self.below:g}"
+
+
+@dataclass(frozen=True)
+class Exact(_OfErrors):
+    """The scheme has no error on this problem: every level is within round-off.
+
+    Parameters
+    ----------
+    quantity, norm : str
+    bound : float
+        Largest relative error.
+    source : str
+    """
+
+    quantity: str
+    norm: str
+    bound: float
+    source: str
+
+    @property
+    def title(self) -> str:
+        return f"{self.quantity} exact in {self.norm} to {self.bound:g}"
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        return _largest(evidence.relative(self.quantity, self.norm), self.bound, "relative error")
+
+
+@dataclass(frozen=True)
+class Published(_OfErrors):
+    """Absolute errors of the literature are reproduced.
+
+    Parameters
+    ----------
+    quantity, norm : str
+    values : mapping-like tuple of (h, error)
+        Published absolute errors; the levels that were run are compared.
+    relative_tolerance : float
+        Half a unit of the last digit compared.
+    source : str
+    """
+
+    quantity: str
+    norm: str
+    values: tuple[tuple[float, float], ...]
+    relative_tolerance: float
+    source: str
+
+    @property
+    def title(self) -> str:
+        return f"published {self.quantity} errors in {self.norm}"
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        published = dict(self.values)
+        k = NORMS.index(self.norm)
+        pairs = [
+            (h, e[k], published[h]) for h, e in zip(evidence.h, evidence.error[self.quantity], strict=True) if h in published
+        ]
+        if not pairs:
+            return Verdict.INCONCLUSIVE, "no level that was run is in the published table"
+        deviation = np.array([abs(mine - theirs) / theirs for _, mine, theirs in pairs])
+        verdict, reason = _largest(deviation, self.relative_tolerance, "deviation from the published error")
+        return verdict, f"{reason} over {len(pairs)} levels"
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A history equals its source term to round-off: mass is constant, momentum changes by the impulse.
+
+    Parameters
+    ----------
+    stock : str
+        History, such as "momentum".
+    source_term : str
+        History that accounts for its change, such as "impulse"; "" when nothing may change it.
+    source : str
+    bound : float
+        Largest defect relative to the largest magnitude of the two and of the sum of absolute changes.
+    """
+
+    stock: str
+    source_term: str
+    source: str
+    bound: float = 1e-12
+
+    @property
+    def title(self) -> str:
+        return (
+            f"{self.stock} less {self.source_term} conserved to {self.bound:g}"
+            if self.source_term
+            else f"{self.stock} conserved"
+        )
+
+    @property
+    def _metric(self) -> str:
+        return f"{self.stock}_defect"
+
+    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+        if not {self.stock, self.source_term or self.stock} <= solution.histories.keys():
+            return {}
+        stock = solution.histories[self.stock]
+        change = solution.histories[self.source_term] if self.source_term else np.zeros_like(stock)
+        defect = stock - stock[0] - (change - change[0])
+        # The terms that cancel set the scale of round-off: a momentum of zero is a difference of large ones.
+        mass = np.max(np.abs(solution.histories["mass"]))
+        kinetic = np.max(solution.histories.get("kinetic_energy", np.zeros(1)))
+        scale = max(np.max(np.abs(stock)), np.max(np.abs(change)), math.sqrt(2 * mass * kinetic))
+        return {self._metric: float(np.max(np.abs(defect)) / (scale or 1.0))}
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        return _largest(evidence.metrics[self._metric], self.bound, "relative defect")
+
+
+@dataclass(frozen=True)
+class EnergyDrift:
+    """Kinetic plus strain energy less external work stays: its largest relative drift converges at an order in dt or is bounded.
+
+    Parameters
+    ----------
+    low : float
+        Least order of the drift in dt; the drift may also be at round-off.
+    source : str
+    """
+
+    low: float
+    source: str
+    metric: ClassVar[str] = "energy_drift"
+
+    @property
+    def title(self) -> str:
+        return f"energy drift vanishes at order {self.low:g} or more"
+
+    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+        history = solution.histories
+        if not {"kinetic_energy", "strain_energy", "external_work"} <= history.keys():
+            return {}
+        total = history["kinetic_energy"] + history["strain_energy"] - history["external_work"]
+        scale = np.max(history["kinetic_energy"] + history["strain_energy"])
+        return {self.metric: float(np.max(np.abs(total - total[0])) / (scale or 1.0))}
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        drift = evidence.metrics[self.metric]
+        if not np.all(np.isfinite(drift)):
+            return Verdict.ERROR, "the energy is not finite on at least one level"
+        if np.all(drift <= 1e-11):
+            return Verdict.PASS, f"largest relative drift {drift.max():.1e}: round-off"
+        series = analyse(evidence.dt, drift)
+        if series.fit is None or series.kept.sum() < 3:
+            return Verdict.INCONCLUSIVE, "fewer than three levels above round-off"
+        measured = f"drift {drift.min():.1e} at best, order {series.fit.order:.2f} in dt"
+        if series.fit.low >= self.low:
+            return Verdict.PASS, measured
+        return (
+            Verdict.FAIL if series.fit.high < self.low else Verdict.INCONCLUSIVE
+        ), f"{measured}, expected {self.low:g} or more"
+
+
+@dataclass(frozen=True)
+class Amplification:
+    """Every Fourier mode of a periodic advection run follows the scheme's amplification factor, G(theta)^n after n steps.
+
+    Parameters
+    ----------
+    passes : int
+        Mass passes of two-step Taylor-Galerkin.
+    bound : float
+        Largest deviation of a mode's coefficient, relative to its initial one.
+    source : str
+    """
+
+    passes: int
+    bound: float
+    source: str
+    metric: ClassVar[str] = "amplification_defect"
+
+    @property
+    def title(self) -> str:
+        return f"amplification factor of every Fourier mode to {self.bound:g}"
+
+    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+        if "u" not in solution.fields or not isinstance(problem.material, Transport):
+            return {}
+        modes = np.fft.rfft(solution.fields["u"][:, :, 0], axis=1)
+        theta = 2 * np.pi * np.arange(modes.shape[1]) / solution.reference.shape[0]
+        h = problem.lengths[0] / solution.reference.shape[0]
+        factor = two_step_taylor_galerkin(theta, problem.material.velocity * solution.dt / h, self.passes)
+        steps = np.round(solution.time / solution.dt)
+        # A mode that the initial profile lacks, the shortest one sampled at its nodes above all, cannot be followed.
+        carried = np.abs(modes[0]) > 1e-3 * np.abs(modes[0]).max()
+        initial = modes[0, carried]
+        defect = np.abs(modes[:, carried] - initial * factor[carried] ** steps[:, None]) / np.abs(initial)
+        return {self.metric: float(defect.max()), "amplification_modes": float(carried.sum() / len(carried))}
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        verdict, reason = _largest(evidence.metrics[self.metric], self.bound, "deviation from G^n")
+        return verdict, f"{reason}, over {evidence.metrics['amplification_modes'].min():.0%} of the modes"
+
+
+def _largest(values: Array, bound: float, what: str) -> Judgement:
+    if not len(values) or not np.all(np.isfinite(values)):
+        return Verdict.ERROR, f"the {what} is not finite on at least one level"
+    verdict = Verdict.PASS if values.max() <= bound else Verdict.FAIL
+    return verdict, f"largest {what} {values.max():.2e}, bound {bound:g}"
+
+
+CRITERIA: Mapping[str, type[Any]] = {kind.__name__: kind for kind in (Order, Stall, Exact, Published, Balance, EnergyDrift, Amplification)}
+"""Criteria by the name under which files store them."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One verdict with everything that a reader needs to act on it.
+
+    Parameters
+    ----------
+    study, case, solver, refinement : str
+        What was judged.
+    gate : str
+        "verification" or "regression".
+    criterion : str
+        Title of the criterion.
+    verdict : Verdict
+    reason : str
+        What was measured.
+    source : str
+        Where the expectation comes from.
+    """
+
+    study: str
+    case: str
+    solver: str
+    refinement: str
+    gate: str
+    criterion: str
+    verdict: Verdict
+    reason: str
+    source: str
+
+    def __str__(self) -> str:
+        return f"{self.verdict} {self.study}/{self.case}/{self.solver} ({self.refinement}): {self.criterion}: {self.reason}"
+
+
+def judge(criterion: Criterion, evidence: Evidence) -> Judgement:
+    """Judge one criterion; a run that did not complete is an ERROR with its outcome, before any number is looked at."""
+    failed = [(h, outcome) for h, outcome in zip(evidence.h, evidence.outcomes, strict=True) if outcome != "completed"]
+    if failed:
+        return Verdict.ERROR, "; ".join(f"h={h:g}: {outcome}" for h, outcome in failed)
+    try:
+        return criterion.judge(evidence)
+    except KeyError as missing:
+        return (
+            Verdict.ERROR,
+            f"{missing} was not measured on this series: the solver does not return it, or the results are old",
+        )
+
+
+def exit_status(verdicts: Sequence[Verdict], *, strict: bool = False) -> int:
+    """Exit status of a gate: 0 pass, 1 a gate failed, 3 a run erred, 4 inconclusive under `strict`."""
+    verdict = worst(verdicts)
+    if verdict is Verdict.INCONCLUSIVE:
+        return 4 if strict else 0
+    return {Verdict.PASS: 0, Verdict.FAIL: 1, Verdict.ERROR: 3}[verdict]

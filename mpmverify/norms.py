@@ -1,0 +1,58 @@
+"""Weighted norms of fields sampled at quadrature points; NaN poisons every one of them."""
+
+import numpy as np
+
+from mpmverify.exact import ExactSolution
+from mpmverify.problem import Array
+from mpmverify.solution import Solution
+
+NORMS = ("L1", "L2", "Linf", "L2-max")
+"""L1, L2 and Linf at the final time; L2-max is the largest L2 over the output times."""
+
+
+def l1(values: Array, weight: Array) -> Array:
+    """Return sum_p w_p |e_p| for values (T, P, components) and weights (T, P), as (T,)."""
+    return np.sum(weight * np.linalg.norm(values, axis=-1), axis=-1)
+
+
+def l2(values: Array, weight: Array) -> Array:
+    """Return sqrt(sum_p w_p |e_p|^2) for values (T, P, components) and weights (T, P), as (T,)."""
+    return np.sqrt(np.sum(weight * np.sum(values**2, axis=-1), axis=-1))
+
+
+def linf(values: Array) -> Array:
+    """Return max_p |e_p| for values (T, P, components), as (T,)."""
+    return np.max(np.linalg.norm(values, axis=-1), axis=-1)
+
+
+def norms(values: Array, weight: Array) -> Array:
+    """Return all `NORMS` of one field, (4,).
+
+    Parameters
+    ----------
+    values : Array
+        (T, P, components).
+    weight : Array
+        Quadrature weights (T, P).
+    """
+    last, last_weight = values[-1:], weight[-1:]
+    return np.array([l1(last, last_weight)[0], l2(last, last_weight)[0], linf(last)[0], np.max(l2(values, weight))])
+
+
+def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, Array]]:
+    """Norms of the error and of the exact field, by quantity that both sides have.
+
+    Returns
+    -------
+    dict of str to (Array, Array)
+        (error norms (4,), exact norms (4,)) in the order of `NORMS`.
+    """
+    table = {}
+    for quantity, closed_form in exact.fields.items():
+        if quantity in solution.fields:
+            expected = closed_form(solution.reference, solution.time)
+            table[quantity] = (
+                norms(solution.fields[quantity] - expected, solution.weight),
+                norms(expected, solution.weight),
+            )
+    return table

@@ -1,0 +1,150 @@
+"""Runs over worker processes: a run that hangs or kills its process becomes an outcome, and its neighbours finish."""
+
+import multiprocessing
+import time
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+from mpmverify.errors import MpmverifyError, UsageError
+from mpmverify.evaluation import Evaluated, Task, evaluate, failed
+from mpmverify.solution import Status
+
+
+def inline(tasks: Iterable[Task]) -> Iterator[tuple[Task, Evaluated]]:
+    """Evaluate in this process, one after the other."""
+    for task in tasks:
+        yield task, evaluate(task)
+
+
+def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator[tuple[Task, Evaluated]]:
+    """Evaluate over `jobs` processes, in the order of completion.
+
+    Parameters
+    ----------
+    tasks : iterable of Task
+    jobs : int
+        Number of processes.
+    timeout : float
+        Limit for one run [s], compilation included; a run that exceeds it is killed and reported as timed out.
+
+    Raises
+    ------
+    MpmverifyError
+        What a worker raised: misuse, or a damaged results folder.
+    """
+    waiting = deque(tasks)
+    workers = [_Worker() for _ in range(min(jobs, len(waiting)))]
+    try:
+        while waiting or any(worker.task for worker in workers):
+            for worker in workers:
+                if worker.task is None and waiting:
+                    worker.start(waiting.popleft(), timeout)
+            busy = [worker for worker in workers if worker.task]
+            pause = max(0.0, min(worker.deadline for worker in busy) - time.monotonic())
+            ready = wait([worker.connection for worker in busy], pause)
+            for worker in busy:
+                if worker.connection in ready:
+                    yield worker.finish()
+                elif time.monotonic() >= worker.deadline:
+                    yield worker.abandon(Status.TIMED_OUT, f"no result within {timeout:g} s")
+    finally:
+        for worker in workers:
+            worker.stop()
+
+
+class _Worker:
+    """One process and the task that it works on."""
+
+    def __init__(self) -> None:
+        self.task: Task | None = None
+        self.deadline = 0.0
+        self._spawn()
+
+    def _spawn(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.connection, theirs = context.Pipe()
+        self.process: BaseProcess = context.Process(target=_serve, args=(theirs,), daemon=True)
+        self.process.start()
+        theirs.close()
+
+    def start(self, task: Task, timeout: float) -> None:
+        self.task, self.deadline = task, time.monotonic() + timeout
+        self.connection.send(task)
+
+    def finish(self) -> tuple[Task, Evaluated]:
+        task = self.task
+        assert task is not None
+        try:
+            result = self.connection.recv()
+        except EOFError:
+            self.process.join()
+            return self.abandon(Status.CRASHED, f"the process died with exit status {self.process.exitcode}")
+        if isinstance(result, MpmverifyError):
+            raise result
+        self.task = None
+        return task, result
+
+    def abandon(self, status: Status, detail: str) -> tuple[Task, Evaluated]:
+        """Replace the process, and report its task as failed."""
+        task, self.task = self.task, None
+        assert task is not None
+        self.stop()
+        self._spawn()
+        return task, failed(task, status, detail)
+
+    def stop(self) -> None:
+        self.process.kill()
+        self.process.join()
+        self.connection.close()
+
+
+def _serve(connection: Connection) -> None:
+    """Evaluate what comes until the other side closes."""
+    while True:
+        try:
+            task = connection.recv()
+        except (EOFError, KeyboardInterrupt):
+            return
+        try:
+            connection.send(evaluate(task))
+        except MpmverifyError as error:
+            connection.send(error)
+        except KeyboardInterrupt:
+            return
+
+
+@dataclass(frozen=True)
+class Distributed:
+    """A dask.distributed scheduler; its workers must see the same results folder."""
+
+    address: str
+
+    def evaluate(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Evaluated]]:
+        """Evaluate on the scheduler's workers, in the order of completion.
+
+        Raises
+        ------
+        UsageError
+            If dask.distributed is not installed or the scheduler does not answer.
+        """
+        try:
+            from distributed import Client, as_completed
+        except ImportError as error:
+            raise UsageError("--scheduler needs dask.distributed: pip install 'mpmverify[distributed]'") from error
+        try:
+            client: Any = Client(self.address, timeout=10)
+        except (OSError, ValueError) as error:
+            raise UsageError(f"no dask scheduler answers at {self.address!r}: start one with `dask scheduler`") from error
+        with client:
+            tasks = list(tasks)
+            futures = {client.submit(evaluate, task, pure=False): task for task in tasks}
+            for future in as_completed(futures):
+                task = futures[future]
+                raised = future.exception()
+                if isinstance(raised, MpmverifyError):
+                    raise raised
+                yield task, failed(task, Status.CRASHED, repr(raised)) if raised else future.result()

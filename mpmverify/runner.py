@@ -1,0 +1,197 @@
+"""Studies from declaration to judged dataset; what is already solved is not solved again."""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from mpmverify import pool
+from mpmverify.baseline import Baseline
+from mpmverify.dataset.content import digest, file_digest
+from mpmverify.dataset.files import Results, check_ours, write_atomic
+from mpmverify.errors import ResultsError
+from mpmverify.evaluation import Evaluated, Task, run_key
+from mpmverify.gate import Finding, Verdict
+from mpmverify.study import Study
+
+SHOWN_POINTS = 160
+"""The pages show the finest level of a series with at most so many cells times particles."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A judged study: its findings, how many runs were solved for it and how many were at hand."""
+
+    study: str
+    findings: tuple[Finding, ...]
+    solved: int
+    reused: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that one invocation does.
+
+    Parameters
+    ----------
+    results : Results
+    baseline : Baseline
+    tier : str
+        "quick" or "full".
+    jobs : int
+        Worker processes; 0 evaluates in this process.
+    timeout : float
+        Limit for one run [s].
+    reuse : bool
+        Whether finished runs are read back.
+    scheduler : str
+        Address of a dask.distributed scheduler, or "".
+    """
+
+    results: Results
+    baseline: Baseline
+    tier: str = "quick"
+    jobs: int = 1
+    timeout: float = 600.0
+    reuse: bool = True
+    scheduler: str = ""
+
+
+def tasks_of(study: Study, plan: Plan) -> list[Task]:
+    """All runs of a study."""
+    table: list[Task] = []
+    for case, series in study.series():
+        levels = series.refinement.tier(plan.tier)
+        side = case.problem.problem.lengths[0]
+        fitting = [k for k, level in enumerate(levels) if side / level.h * level.ppc <= SHOWN_POINTS]
+        shown = max(fitting, default=0)
+        for k, level in enumerate(levels):
+            task = Task(
+                results=plan.results.path,
+                study=study.name,
+                index=len(table),
+                case=case.name,
+                refinement=series.refinement.label,
+                problem=case.problem,
+                solver=series.solver,
+                discretisation=level,
+                criteria=series.criteria,
+                key=run_key(case.problem, series.solver, level),
+                shown=k == shown,
+                reuse=plan.reuse,
+            )
+            table.append(task)
+    return table
+
+
+def run(studies: Sequence[Study], plan: Plan, progress: Callable[[str, int, int], None] = lambda *_: None) -> Iterator[Judged]:
+    """Run and judge studies, each as soon as its last run is in; its file is written then.
+
+    Parameters
+    ----------
+    studies : sequence of Study
+    plan : Plan
+    progress : callable
+        Called with (study, runs done, runs in all) after every run.
+
+    Raises
+    ------
+    UsageError, ResultsError
+        On misuse, or when a file of the results folder is damaged or cannot be written.
+    """
+    plan.results.create()
+    stored = read_verdicts(plan.results)
+    work: dict[str, list[Task]] = {}
+    for study in studies:
+        tasks = tasks_of(study, plan)
+        inputs = _inputs(study, plan, tasks)
+        known = stored.get(study.name)
+        if plan.reuse and known and known["inputs"] == inputs and _stored_inputs(plan.results.study(study.name)) == inputs:
+            yield Judged(study.name, tuple(_finding(entry) for entry in known["findings"]), 0, len(tasks))
+        else:
+            work[study.name] = tasks
+    by_name = {study.name: study for study in studies}
+    done: dict[str, dict[int, Evaluated]] = {name: {} for name in work}
+    for task, evaluated in _evaluate([task for tasks in work.values() for task in tasks], plan):
+        finished, tasks = done[task.study], work[task.study]
+        finished[task.index] = evaluated
+        progress(task.study, len(finished), len(tasks))
+        if len(finished) == len(tasks):
+            yield _judge(by_name[task.study], plan, tasks, [finished[k] for k in range(len(tasks))])
+
+
+def _evaluate(tasks: list[Task], plan: Plan) -> Iterator[tuple[Task, Evaluated]]:
+    at_hand = [task for task in tasks if task.reuse and plan.results.run(task.key).exists()]
+    known = {id(task) for task in at_hand}
+    # The longest runs first: none is left alone at the end.
+    to_solve = sorted((task for task in tasks if id(task) not in known), key=_cost, reverse=True)
+    if plan.scheduler:
+        yield from pool.Distributed(plan.scheduler).evaluate(tasks)
+    elif plan.jobs == 0:
+        yield from pool.inline(tasks)
+    elif to_solve or len(at_hand) > 50:
+        yield from pool.over_processes(to_solve + at_hand, plan.jobs, plan.timeout)
+    else:
+        yield from pool.inline(at_hand)
+
+
+def _cost(task: Task) -> float:
+    problem, level = task.problem.problem, task.discretisation
+    return level.time_steps(problem)[0] * level.cells(problem)[0] * level.ppc
+
+
+def _inputs(study: Study, plan: Plan, tasks: Sequence[Task]) -> str:
+    """Digest of everything that a study's file depends on, the code that judges it included."""
+    keys = [task.key for task in tasks]
+    return digest(
+        study, plan.tier, keys, file_digest(plan.baseline.path), code=["mpmverify.evaluation", "mpmverify.dataset.verdicts"]
+    )
+
+
+def _judge(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated]) -> Judged:
+    from mpmverify.dataset.study import build, write_study
+    from mpmverify.dataset.verdicts import declare, findings, judged
+
+    # A run that left no file is tried again next time: its study is never up to date.
+    complete = all(plan.results.run(task.key).exists() for task in tasks)
+    inputs = _inputs(study, plan, tasks) if complete else ""
+    snapshots = {entry.level.series: entry.snapshots for entry in evaluated if entry.snapshots}
+    tree = build(study, plan.tier, inputs, [entry.level for entry in evaluated], snapshots)
+    tree = judged(declare(tree, study), plan.baseline)
+    write_study(plan.results.study(study.name), tree)
+    found = tuple(findings(tree))
+    write_verdicts(plan.results, study.name, inputs, found)
+    solved = sum(entry.solved for entry in evaluated)
+    return Judged(study.name, found, solved, len(evaluated) - solved)
+
+
+def _stored_inputs(path: Path) -> str:
+    return str(check_ours(path, "study")["inputs"]) if path.exists() else ""
+
+
+def _finding(entry: dict[str, str]) -> Finding:
+    return Finding(**(entry | {"verdict": Verdict(entry["verdict"])}))  # type: ignore[arg-type]
+
+
+def read_verdicts(results: Results) -> dict[str, dict]:
+    """Stored verdicts by study; empty when there are none yet.
+
+    Raises
+    ------
+    ResultsError
+        If the file is damaged.
+    """
+    try:
+        return dict(json.loads(results.verdicts.read_text(encoding="utf-8"))["studies"])
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ResultsError(f"'{results.verdicts}' is not a list of mpmverify verdicts: delete it and run again") from error
+
+
+def write_verdicts(results: Results, study: str, inputs: str, findings: Sequence[Finding]) -> None:
+    """Replace the verdicts of one study in `verdicts.json`."""
+    studies = {name: entry for name, entry in read_verdicts(results).items() if results.study(name).exists()}
+    studies[study] = {"inputs": inputs, "findings": [asdict(finding) for finding in findings]}
+    text = json.dumps({"schema": 1, "studies": studies}, indent=1, sort_keys=True)
+    write_atomic(results.verdicts, lambda temporary: temporary.write_text(text + "\n", encoding="utf-8"))

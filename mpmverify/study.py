@@ -1,0 +1,140 @@
+"""Studies: a verification problem, solvers, refinements and criteria, declared as values."""
+
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mpmverify.errors import UsageError
+from mpmverify.exact import VerificationProblem
+from mpmverify.gate import Criterion
+from mpmverify.problem import Discretisation
+from mpmverify.solution import Solver
+
+TIERS = ("quick", "full")
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """A ladder of discretisations.
+
+    Parameters
+    ----------
+    label : str
+        Names the ladder within its case, such as "nu_C=0.5".
+    levels : tuple of Discretisation
+        Coarsest first.
+    quick : int
+        How many of them, from the coarsest, the quick tier runs.
+    """
+
+    label: str
+    levels: tuple[Discretisation, ...]
+    quick: int
+
+    def tier(self, tier: str) -> tuple[Discretisation, ...]:
+        return self.levels[: self.quick] if tier == "quick" else self.levels
+
+    def with_courant(self, courant: float) -> "Refinement":
+        """Return the same ladder at another Courant number."""
+        levels = tuple(dataclasses.replace(level, courant=courant) for level in self.levels)
+        return Refinement(courant_label(courant), levels, self.quick)
+
+
+def courant_label(courant: float) -> str:
+    return f"nu_C={courant:g}"
+
+
+def halving(
+    length: float, cells: int, quick: int, full: int, *, courant: float, ppc: int = 1, courant_power: float = 0.0
+) -> Refinement:
+    """Ladder of `full` levels that starts with `cells` cells on `length` and halves h.
+
+    Parameters
+    ----------
+    courant : float
+        Courant number of the coarsest level.
+    ppc : int
+        Particles per cell.
+    courant_power : float
+        The Courant number falls as h to this power: 0.5 makes dt proportional to h^(3/2), so that a scheme of second order
+        in time shows an order of three in h.
+    """
+    levels = tuple(
+        Discretisation(h=length / (cells * 2**k), courant=courant * 0.5 ** (k * courant_power), ppc=ppc) for k in range(full)
+    )
+    label = courant_label(courant) + (f" (h/h0)^{courant_power:g}" if courant_power else "")
+    return Refinement(label, levels, quick)
+
+
+@dataclass(frozen=True)
+class Series:
+    """One solver on one ladder, and what must hold of it."""
+
+    solver: Solver
+    refinement: Refinement
+    criteria: tuple[Criterion, ...]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One verification problem and the series that are run on it; `shown` is the quantity that the pages plot first."""
+
+    name: str
+    problem: VerificationProblem
+    series: tuple[Series, ...]
+    shown: str
+
+
+@dataclass(frozen=True)
+class Study:
+    """Cases that belong on one page.
+
+    Parameters
+    ----------
+    name : str
+        On the command line and in file names.
+    title, summary : str
+        For people.
+    cases : tuple of Case
+
+    Raises
+    ------
+    UsageError
+        If two series share their case, solver and refinement.
+    """
+
+    name: str
+    title: str
+    summary: str
+    cases: tuple[Case, ...]
+
+    def __post_init__(self) -> None:
+        seen = set()
+        for case, series in self.series():
+            identity = (case.name, series.solver.name, series.refinement.label)
+            if identity in seen:
+                raise UsageError(f"study {self.name!r} declares {' / '.join(identity)} twice")
+            seen.add(identity)
+
+    def series(self) -> Iterator[tuple[Case, Series]]:
+        for case in self.cases:
+            for series in case.series:
+                yield case, series
+
+    def solver_names(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(series.solver.name for _, series in self.series()))
+
+    def restricted(self, solvers: tuple[str, ...] = (), courant: float | None = None) -> "Study":
+        """Return the study with the named solvers alone, and at one Courant number throughout."""
+        cases = []
+        for case in self.cases:
+            chosen: dict[tuple[str, str], Series] = {}
+            for series in case.series:
+                if solvers and series.solver.name not in solvers:
+                    continue
+                if courant is not None:
+                    series = dataclasses.replace(series, refinement=series.refinement.with_courant(courant))
+                chosen.setdefault((series.solver.name, series.refinement.label), series)
+            if chosen:
+                cases.append(dataclasses.replace(case, series=tuple(chosen.values())))
+        return dataclasses.replace(self, cases=tuple(cases))

@@ -1,0 +1,54 @@
+"""Transport of a hill, a Gaussian, a step and a whole spectrum by two-step Taylor-Galerkin."""
+
+from mpmverify.exact.advection import CosineHill, Gaussian, Step, advection
+from mpmverify.gate import Amplification, Balance, Criterion, Order
+from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+from mpmverify.study import Case, Series, Study, halving
+
+LUMPED, CONSISTENT = TaylorGalerkin(passes=1), TaylorGalerkin(passes=3)
+COURANT = {LUMPED: (0.3, 0.6, 0.9), CONSISTENT: (0.2, 0.4, 0.55)}
+"""Below the limits 1 and 1/sqrt(3)."""
+
+DONEA = "second order in h and dt on smooth data: Donea (1984), doi:10.1002/nme.1620200108"
+BRENNER = (
+    "order 2 s/3 in L2 for a second-order scheme on data with s derivatives in L2: Brenner, Thomee and Wahlbin (1975), "
+    "Besov Spaces and Applications to Difference Methods for Initial Value Problems, doi:10.1007/BFb0068125"
+)
+MASS = Balance("mass", "inflow", "the scheme is in conservation form: the nodal residuals sum to the boundary flux")
+
+
+def _case(profile: CosineHill | Gaussian | Step, *criteria: Criterion) -> Case:
+    series = tuple(
+        Series(solver, halving(1.0, 32, quick=6, full=8, courant=courant), (*criteria, MASS))
+        for solver, numbers in COURANT.items()
+        for courant in numbers
+    )
+    return Case(profile.name, advection(profile), series, shown="u")
+
+
+STEP_SOURCE = (
+    "order 5/8 in L1 for a jump with leading errors of order 3 (phase) and 4 (damping): the oscillations behind the front, "
+    "Airy-like of width n^(1/3) cells, are damped only beyond n^(1/2) cells after n steps; see " + BRENNER
+)
+SPECTRUM = tuple(
+    Series(
+        solver,
+        halving(1.0, 32, quick=2, full=4, courant=courant),
+        (Amplification(solver.passes, 1e-12, "von Neumann analysis: Donea (1984), doi:10.1002/nme.1620200108"), MASS),
+    )
+    for solver, numbers in COURANT.items()
+    for courant in numbers
+)
+
+STUDY = Study(
+    name="advection",
+    title="Advection of a scalar",
+    summary="A profile is carried once around a periodic domain, or a jump half-way through an open one, by two-step "
+    "Taylor-Galerkin with lumped and with consistent mass at several Courant numbers.",
+    cases=(
+        _case(Gaussian(), Order("u", "L2", 1.8, 2.2, DONEA)),
+        _case(CosineHill(), Order("u", "L2", 1.45, 1.9, f"order 5/3 for s = 5/2; {BRENNER}")),
+        _case(Step(), Order("u", "L1", 0.5, 0.75, STEP_SOURCE)),
+        Case("spectrum", advection(Gaussian(width=0.02), end_time=0.25), SPECTRUM, shown="u"),
+    ),
+)
