@@ -1,0 +1,34 @@
+"""Discrete exact solutions: what a scheme does to a Fourier mode in one step."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpmverify.problem import Array
+
+
+def two_step_taylor_galerkin(theta: Array, courant: float, passes: int) -> NDArray[np.complex128]:
+    """Amplification factor of two-step Taylor-Galerkin on a uniform periodic mesh.
+
+    Parameters
+    ----------
+    theta : Array
+        Phase angles k h (n,) [rad].
+    courant : float
+        nu_C = a dt/h, with its sign.
+    passes : int
+        Passes of the mass iteration; 1 is the lumped mass.
+
+    Returns
+    -------
+    Array of complex
+        G = 1 - [i nu_C sin(theta) + nu_C^2 (1 - cos(theta))]/m with m = 1 - (1 - cos(theta))/3 for the consistent mass, whose
+        inverse k passes replace by [1 - (1 - m)^k]/m.
+
+    References
+    ----------
+    Donea J. (1984). A Taylor-Galerkin method for convective transport problems. International Journal for Numerical Methods in
+    Engineering 20(1), 101-119, https://doi.org/10.1002/nme.1620200108
+    """
+    m = 1 - (1 - np.cos(theta)) / 3
+    inverse_mass = (1 - (1 - m) ** passes) / m
+    return np.asarray(1 - (1j * courant * np.sin(theta) + courant**2 * (1 - np.cos(theta))) * inverse_mass)

@@ -1,0 +1,152 @@
+"""Axial vibration of a bar in one of its eigenmodes."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from mpmverify.errors import UsageError
+from mpmverify.exact.solution import ExactSolution, VerificationProblem
+from mpmverify.problem import Array, BoundaryCondition, Constant, LinearElastic, Problem, Traction, Velocity
+
+CITATION = (
+    "Bardenhagen S. G. (2002). Energy conservation error in the material point method for solid mechanics. Journal of "
+    "Computational Physics 180(1), 383-403, doi:10.1006/jcph.2002.7103; with both ends fixed: Tielen R., Wobbes E., Möller M., "
+    "Beuth L. (2017). A high order material point method. Procedia Engineering 175, 265-272, doi:10.1016/j.proeng.2017.01.022"
+)
+
+
+@dataclass(frozen=True)
+class SineField:
+    """a sin(k X): (P, 1) [m] -> (P, 1)."""
+
+    amplitude: float
+    wavenumber: float
+
+    def __call__(self, X: Array) -> Array:
+        return self.amplitude * np.sin(self.wavenumber * X)
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One eigenmode; its fields take (P, 1) [m], (T,) [s] -> (T, P, 1).
+
+    Parameters
+    ----------
+    v0 : float
+        Velocity amplitude [m/s].
+    wavenumber : float
+        beta [1/m].
+    wave_speed : float
+        c [m/s].
+    """
+
+    v0: float
+    wavenumber: float
+    wave_speed: float
+
+    def phases(self, X: Array, t: Array) -> tuple[Array, Array]:
+        """Beta x (1, P, 1) and beta c t (T, 1, 1) [rad]."""
+        return self.wavenumber * X[None], self.wavenumber * self.wave_speed * t[:, None, None]
+
+
+@dataclass(frozen=True)
+class ModeDisplacement(Mode):
+    """u = v0/(beta c) sin(beta c t) sin(beta x) [m]."""
+
+    def __call__(self, X: Array, t: Array) -> Array:
+        bx, bct = self.phases(X, t)
+        return self.v0 / (self.wavenumber * self.wave_speed) * np.sin(bct) * np.sin(bx)
+
+
+@dataclass(frozen=True)
+class ModeVelocity(Mode):
+    """v = v0 cos(beta c t) sin(beta x) [m/s]."""
+
+    def __call__(self, X: Array, t: Array) -> Array:
+        bx, bct = self.phases(X, t)
+        return self.v0 * np.cos(bct) * np.sin(bx)
+
+
+@dataclass(frozen=True)
+class ModeStress(Mode):
+    """sigma = E v0/c sin(beta c t) cos(beta x) [Pa]; E in Pa."""
+
+    youngs_modulus: float
+
+    def __call__(self, X: Array, t: Array) -> Array:
+        bx, bct = self.phases(X, t)
+        return self.youngs_modulus * self.v0 / self.wave_speed * np.sin(bct) * np.cos(bx)
+
+
+def axial_vibration(
+    mode: int = 1,
+    ends: Literal["fixed-fixed", "fixed-free"] = "fixed-fixed",
+    *,
+    length: float = 25.0,
+    youngs_modulus: float = 100.0,
+    density: float = 1.0,
+    v0: float = 0.1,
+    periods: float = 1.1,
+) -> VerificationProblem:
+    """Bar fixed at x = 0 that starts with a velocity in the shape of an eigenmode.
+
+    The default set is the one of the literature, with a strain amplitude v0/c of 1 %: a code of large deformation needs a
+    smaller v0 to converge to this linear solution.
+
+    Parameters
+    ----------
+    mode : int
+        n; beta = n pi/L (fixed-fixed) or (2n - 1) pi/(2L) (fixed-free).
+    ends : {"fixed-fixed", "fixed-free"}
+    length, youngs_modulus, density, v0 : float
+        L [m], E [Pa], rho [kg/m^3], velocity amplitude [m/s].
+    periods : float
+        Final time in periods 2 pi/(beta c); at 1.1 neither displacement nor velocity is near zero.
+
+    Raises
+    ------
+    UsageError
+        If the mode is less than 1 or the ends are unknown.
+
+    References
+    ----------
+    Bardenhagen S. G. (2002). Energy conservation error in the material point method for solid mechanics. Journal of
+    Computational Physics 180(1), 383-403, https://doi.org/10.1006/jcph.2002.7103
+    Tielen R., Wobbes E., Möller M., Beuth L. (2017). A high order material point method. Procedia Engineering 175, 265-272,
+    https://doi.org/10.1016/j.proeng.2017.01.022
+    """
+    if mode < 1 or ends not in ("fixed-fixed", "fixed-free"):
+        raise UsageError(f"axial vibration needs mode >= 1 and ends fixed-fixed or fixed-free, not {mode!r} and {ends!r}")
+    material = LinearElastic(youngs_modulus, density)
+    c, free = material.wave_speed, ends == "fixed-free"
+    beta = (mode - 0.5 if free else mode) * math.pi / length
+    far_end: BoundaryCondition = Traction(Constant(0.0)) if free else Velocity(Constant(0.0))
+    return VerificationProblem(
+        problem=Problem(
+            name=f"vibration-{ends}-{mode}",
+            lower=(0.0,),
+            upper=(length,),
+            material=material,
+            boundary={"x-": Velocity(Constant(0.0)), "x+": far_end},
+            end_time=periods * 2 * math.pi / (beta * c),
+            initial={"velocity": SineField(v0, beta)},
+        ),
+        exact=ExactSolution(
+            fields={
+                "displacement": ModeDisplacement(v0, beta, c),
+                "velocity": ModeVelocity(v0, beta, c),
+                "stress": ModeStress(v0, beta, c, youngs_modulus),
+            },
+            citation=CITATION,
+        ),
+        exposes="Drift of the energy, phase error and damping over many steps.",
+        equations=(
+            r"\rho\, \partial_{tt} u = E\, \partial_{xx} u, \quad \sigma = E\, \partial_x u",
+            r"u(x,0) = 0, \quad \partial_t u(x,0) = v_0 \sin(\beta x)",
+            r"u(0,t) = 0, \quad \sigma(L,t) = 0" if free else r"u(0,t) = 0, \quad u(L,t) = 0",
+            r"u = \frac{v_0}{\beta c} \sin(\beta c t) \sin(\beta x), \quad c = \sqrt{E/\rho}, \quad \beta = "
+            + (r"\frac{(2n-1)\pi}{2L}" if free else r"\frac{n\pi}{L}"),
+        ),
+    )
