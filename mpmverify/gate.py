@@ -199,39 +199,37 @@ class Exact(_OfErrors):
 
 @dataclass(frozen=True)
 class Published(_OfErrors):
-    """Absolute errors of the literature are reproduced.
+    """Absolute errors of the literature are reproduced to a number of significant digits.
 
     Parameters
     ----------
     quantity, norm : str
-    values : mapping-like tuple of (h, error)
+    values : tuple of (h, error)
         Published absolute errors; the levels that were run are compared.
-    relative_tolerance : float
-        Half a unit of the last digit compared.
+    digits : int
+        Significant digits that must agree: the deviation is below half a unit of the last one.
     source : str
     """
 
     quantity: str
     norm: str
     values: tuple[tuple[float, float], ...]
-    relative_tolerance: float
+    digits: int
     source: str
 
     @property
     def title(self) -> str:
-        return f"published {self.quantity} errors in {self.norm}"
+        return f"published {self.quantity} errors in {self.norm} to {self.digits} digits"
 
     def judge(self, evidence: Evidence) -> Judgement:
-        published = dict(self.values)
         k = NORMS.index(self.norm)
-        pairs = [
-            (h, e[k], published[h]) for h, e in zip(evidence.h, evidence.error[self.quantity], strict=True) if h in published
-        ]
-        if not pairs:
-            return Verdict.INCONCLUSIVE, "no level that was run is in the published table"
-        deviation = np.array([abs(mine - theirs) / theirs for _, mine, theirs in pairs])
-        verdict, reason = _largest(deviation, self.relative_tolerance, "deviation from the published error")
-        return verdict, f"{reason} over {len(pairs)} levels"
+        mine = dict(zip(evidence.h.tolist(), evidence.error[self.quantity][:, k], strict=True))
+        pairs = np.array([(mine[h], theirs) for h, theirs in self.values if h in mine])
+        if len(pairs) < 3:
+            return Verdict.INCONCLUSIVE, f"{len(pairs)} of {len(self.values)} published levels were run; three are needed"
+        units = np.abs(pairs[:, 0] - pairs[:, 1]) / 10.0 ** (np.floor(np.log10(pairs[:, 1])) - self.digits + 1)
+        verdict, reason = _largest(units, 0.5, f"deviation in units of digit {self.digits}")
+        return verdict, f"{reason}, {len(pairs)} levels"
 
 
 @dataclass(frozen=True)
@@ -374,7 +372,9 @@ def _largest(values: Array, bound: float, what: str) -> Judgement:
     return verdict, f"largest {what} {values.max():.2e}, bound {bound:g}"
 
 
-CRITERIA: Mapping[str, type[Any]] = {kind.__name__: kind for kind in (Order, Stall, Exact, Published, Balance, EnergyDrift, Amplification)}
+CRITERIA: Mapping[str, type[Any]] = {
+    kind.__name__: kind for kind in (Order, Stall, Exact, Published, Balance, EnergyDrift, Amplification)
+}
 """Criteria by the name under which files store them."""
 
 

@@ -54,7 +54,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Work:
-    """Cost of a run: steps, point-steps (sample points times steps) and seconds without compilation."""
+    """Cost of a run: steps, point-steps (particles or elements times steps) and seconds without compilation."""
 
     steps: int = 0
     point_steps: int = 0

@@ -37,15 +37,15 @@ class Refinement:
     def with_courant(self, courant: float) -> "Refinement":
         """Return the same ladder at another Courant number."""
         levels = tuple(dataclasses.replace(level, courant=courant) for level in self.levels)
-        return Refinement(courant_label(courant), levels, self.quick)
+        return Refinement(ladder_label(courant, levels[0].ppc), levels, self.quick)
 
 
-def courant_label(courant: float) -> str:
-    return f"nu_C={courant:g}"
+def ladder_label(courant: float, ppc: int) -> str:
+    return f"nu_C={courant:g}" + (f", {ppc} ppc" if ppc > 1 else "")
 
 
 def halving(
-    length: float, cells: int, quick: int, full: int, *, courant: float, ppc: int = 1, courant_power: float = 0.0
+    length: float, cells: int, *, quick: int, full: int, courant: float, ppc: int = 1, courant_power: float = 0.0
 ) -> Refinement:
     """Ladder of `full` levels that starts with `cells` cells on `length` and halves h.
 
@@ -62,7 +62,7 @@ def halving(
     levels = tuple(
         Discretisation(h=length / (cells * 2**k), courant=courant * 0.5 ** (k * courant_power), ppc=ppc) for k in range(full)
     )
-    label = courant_label(courant) + (f" (h/h0)^{courant_power:g}" if courant_power else "")
+    label = ladder_label(courant, ppc) + (f", nu_C ~ h^{courant_power:g}" if courant_power else "")
     return Refinement(label, levels, quick)
 
 

@@ -121,7 +121,7 @@ def _levels(levels: Sequence[Level]) -> xr.Dataset:
                 {"units": "1", "long_name": "what the criteria measured on the solutions"},
             ),
             "steps": each(lambda level: level.steps, "1", "time steps"),
-            "point_steps": each(lambda level: level.point_steps, "1", "sample points times steps"),
+            "point_steps": each(lambda level: level.point_steps, "1", "particles or elements times steps"),
             "seconds": each(lambda level: level.seconds, "s", "wall time without compilation"),
             "outcome": each(lambda level: level.outcome, None, "how the run ended"),
             "run": each(lambda level: level.key, None, "key of the run file"),

@@ -1,1 +1,5 @@
 """Explicit material point method."""
+
+from .solver import MaterialPoint
+
+__all__ = ["MaterialPoint"]

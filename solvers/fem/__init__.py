@@ -1,0 +1,5 @@
+"""Finite element reference on scikit-fem; it shares no kernel with the other solvers."""
+
+from .solver import FiniteElement
+
+__all__ = ["FiniteElement"]

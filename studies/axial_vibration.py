@@ -1,0 +1,87 @@
+"""Axial vibration of a fixed bar in its first mode, by every solver."""
+
+from mpmverify.exact.vibration import axial_vibration
+from mpmverify.gate import Criterion, EnergyDrift, Order, Stall
+from mpmverify.solution import Solver
+from mpmverify.solvers.fem import FiniteElement
+from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+from mpmverify.study import Case, Refinement, Series, Study, halving
+
+from . import variants as v
+
+LENGTH = 25.0
+TG_SOURCE = "second order on smooth data: Mabssout and Pastor (2003), A Taylor-Galerkin algorithm for shock wave propagation, CMAME 192, 955-971"
+
+
+def _ladder(solver: Solver) -> Refinement:
+    if isinstance(solver, MaterialPoint):
+        return halving(LENGTH, 16, quick=5, full=6, courant=0.4, ppc=2)
+    if isinstance(solver, FiniteElement) and solver.degree == 2:
+        return halving(LENGTH, 8, quick=5, full=6, courant=0.25, courant_power=0.5)
+    return halving(LENGTH, 16, quick=5, full=6, courant=0.5)
+
+
+def _converges(solver: Solver) -> tuple[Criterion, ...]:
+    """Orders and energy of a solver on smooth data that it can converge to."""
+    if isinstance(solver, TaylorGalerkin):
+        return (
+            Order("stress", "L2-max", 1.85, 2.15, TG_SOURCE),
+            Order("velocity", "L2-max", 1.85, 2.15, TG_SOURCE),
+            EnergyDrift(1.8, f"|G|^2 = 1 - O(theta^4) a step, hence O(h^3) at a fixed time; {TG_SOURCE}"),
+        )
+    if isinstance(solver, FiniteElement):
+        p = solver.degree
+        return (
+            Order("displacement", "L2-max", p + 0.85, p + 1.15, v.FEM_SOURCE),
+            Order("stress", "L2-max", p - 0.1, p + 0.15, v.FEM_SOURCE),
+            EnergyDrift(1.8, "the trapezoidal rule conserves energy, central differences conserve it up to O(dt^2)"),
+        )
+    assert isinstance(solver, MaterialPoint)
+    if solver.flip == 0:
+        return (
+            Order("displacement", "L2-max", 0.85, 1.1, v.PIC_SOURCE),
+            Order("stress", "L2-max", 0.85, 1.1, v.PIC_SOURCE),
+            EnergyDrift(0.7, v.PIC_SOURCE),
+        )
+    if solver.flip < 1:
+        return (Order("displacement", "L2-max", 0.9, 2.1, v.BLEND_SOURCE), EnergyDrift(0.7, v.PIC_SOURCE))
+    stress = (
+        Order("stress", "L2-max", 0.9, 1.1, v.STRESS_SOURCE)
+        if solver.degree == 1
+        else Order("stress", "L2-max", 1.5, 2.15, v.MPM_SOURCE)
+    )
+    return (Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE), stress, EnergyDrift(1.8, v.ENERGY_SOURCE))
+
+
+def _literature(solver: Solver) -> tuple[Criterion, ...]:
+    if isinstance(solver, MaterialPoint) and solver.formulation == "updated":
+        source = v.CROSSING_SOURCE if solver.degree == 1 else v.GEOMETRIC_SOURCE
+        return (Stall("displacement", "L2-max", 0.5, source),)
+    return _converges(solver)
+
+
+LINEAR = (*v.TAYLOR_GALERKIN, *v.FEM_P1, *v.FEM_P2)
+TOTAL = tuple(solver for solver in v.MPM if solver.formulation == "total")
+STALLED = (MaterialPoint("USL"), MaterialPoint("MUSL"), MaterialPoint("USL", degree=2), MaterialPoint("MUSL", degree=2))
+
+STUDY = Study(
+    name="axial-vibration",
+    title="Axial vibration of a bar",
+    summary="A bar fixed at both ends starts with the velocity of its first mode. At the amplitude of the literature particles "
+    "cross cells, and an updated Lagrangian code leaves the linear solution; at a thousandth of it every solver must converge.",
+    cases=(
+        Case(
+            "literature",
+            axial_vibration(v0=0.1),
+            tuple(Series(s, _ladder(s), (*_literature(s), v.MOMENTUM)) for s in (*LINEAR, *TOTAL, *STALLED)),
+            shown="displacement",
+        ),
+        Case(
+            "small-strain",
+            axial_vibration(v0=1e-4),
+            tuple(Series(s, _ladder(s), (*_converges(s), v.MOMENTUM, v.MASS)) for s in v.MPM),
+            shown="displacement",
+        ),
+    ),
+)

@@ -1,0 +1,99 @@
+"""The manufactured neo-Hookean bar: large deformation with and without cell crossing."""
+
+from mpmverify.exact.manufactured import manufactured
+from mpmverify.gate import Criterion, Order, Published, Stall
+from mpmverify.solution import Solver
+from mpmverify.solvers.fem import FiniteElement
+from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.study import Case, Refinement, Series, Study, halving
+
+from . import variants as v
+
+VAUCORBEIL = (
+    "de Vaucorbeil, Nguyen and Hutchinson (2020), A Total-Lagrangian Material Point Method for solid mechanics problems "
+    "involving large deformations, doi:10.1016/j.cma.2019.112783"
+)
+PUBLISHED = Published(
+    "displacement",
+    "L2-max",
+    values=((1 / 8, 4.471e-3), (1 / 16, 1.133e-3), (1 / 32, 2.842e-4), (1 / 64, 7.110e-5), (1 / 128, 1.779e-5)),
+    digits=3,
+    source=f"total Lagrangian column of {VAUCORBEIL}",
+)
+NODAL = MaterialPoint("MUSL", formulation="total", body_force_at="nodes")
+
+
+def _ladder(solver: Solver) -> Refinement:
+    """1/h = 8 to 128, as published."""
+    if isinstance(solver, MaterialPoint):
+        return halving(1.0, 8, quick=5, full=5, courant=0.2, ppc=2)
+    return halving(1.0, 8, quick=5, full=6, courant=0.2, courant_power=0.5 if solver in v.FEM_P2 else 0.0)
+
+
+CROSSING_QUADRATIC = halving(1.0, 8, quick=4, full=4, courant=0.2, ppc=8)
+"""Beyond 1/h = 64 the quadrature error of eight particles per cell begins to show."""
+
+
+def _converges(solver: Solver) -> tuple[Criterion, ...]:
+    if isinstance(solver, FiniteElement):
+        p = solver.degree
+        return (
+            Order("displacement", "L2-max", p + 0.85, p + 1.15, v.FEM_SOURCE),
+            Order("stress", "L2-max", p - 0.1, p + 0.15, v.FEM_SOURCE),
+        )
+    assert isinstance(solver, MaterialPoint)
+    if solver.flip == 0:
+        return (Order("displacement", "L2-max", 0.7, 1.1, v.PIC_SOURCE),)
+    if solver.flip < 1:
+        return (Order("displacement", "L2-max", 0.9, 2.1, v.BLEND_SOURCE),)
+    displacement = Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE)
+    if solver.degree == 1:
+        return (displacement, Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE))
+    return (displacement, Order("stress", "L2-max", 1.5, 2.15, v.MPM_SOURCE))
+
+
+TOTAL = tuple(solver for solver in v.MPM if solver.formulation == "total")
+UPDATED_LINEAR = tuple(solver for solver in v.MPM if solver.formulation == "updated" and solver.degree == 1)
+UPDATED_QUADRATIC = tuple(solver for solver in v.MPM_FLIP if solver.formulation == "updated" and solver.degree == 2)
+
+STUDY = Study(
+    name="manufactured-1d",
+    title="Manufactured neo-Hookean bar",
+    summary="A body force makes a standing wave of a neo-Hookean bar exact. At an amplitude of 1e-4 no particle crosses a cell; "
+    "at 0.05 they do, and the updated Lagrangian linear basis stalls where the total Lagrangian one converges.",
+    cases=(
+        Case(
+            "no-crossing",
+            manufactured(1e-4, outputs=64),
+            tuple(Series(s, _ladder(s), (*_converges(s), v.MOMENTUM, v.MASS)) for s in (*v.MPM, *v.FEM_EXPLICIT)),
+            shown="displacement",
+        ),
+        Case(
+            "published",
+            # The maximum over time of four published digits needs an output at least every 1/320 of the period.
+            manufactured(0.05, outputs=320),
+            (Series(NODAL, _ladder(NODAL), (PUBLISHED, *_converges(NODAL), v.MOMENTUM, v.MASS)),),
+            shown="displacement",
+        ),
+        Case(
+            "crossing",
+            manufactured(0.05, outputs=64),
+            (
+                *(Series(s, _ladder(s), (*_converges(s), v.MOMENTUM, v.MASS)) for s in (*TOTAL, *v.FEM_EXPLICIT)),
+                *(
+                    Series(s, _ladder(s), (Stall("displacement", "L2-max", 0.5, v.CROSSING_SOURCE), v.MOMENTUM, v.MASS))
+                    for s in UPDATED_LINEAR
+                ),
+                *(
+                    Series(
+                        s,
+                        CROSSING_QUADRATIC,
+                        (Order("displacement", "L2-max", 1.75, 2.15, v.CROSSING_SOURCE), v.MOMENTUM, v.MASS),
+                    )
+                    for s in UPDATED_QUADRATIC
+                ),
+            ),
+            shown="displacement",
+        ),
+    ),
+)

@@ -1,0 +1,62 @@
+"""The solver values that the studies share, and what is known of each family."""
+
+from itertools import product
+
+from mpmverify.gate import Balance
+from mpmverify.solvers.fem import FiniteElement
+from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+
+TAYLOR_GALERKIN = (TaylorGalerkin(passes=1), TaylorGalerkin(passes=3))
+
+FEM_P1 = (
+    FiniteElement(1, "lumped", "central-differences"),
+    FiniteElement(1, "consistent", "central-differences"),
+    FiniteElement(1, "consistent", "newmark"),
+)
+FEM_P2 = (
+    FiniteElement(2, "lumped", "central-differences"),
+    FiniteElement(2, "consistent", "central-differences"),
+    FiniteElement(2, "consistent", "newmark"),
+)
+FEM_EXPLICIT = tuple(solver for solver in FEM_P1 + FEM_P2 if solver.integrator == "central-differences")
+
+MPM_FLIP = tuple(
+    MaterialPoint(schedule, degree=degree, formulation=formulation)
+    for formulation, degree, schedule in product(("updated", "total"), (1, 2), ("USF", "USL", "MUSL"))
+)
+MPM_DAMPED = tuple(
+    MaterialPoint(flip=flip, formulation=formulation) for formulation in ("updated", "total") for flip in (0.95, 0.0)
+)
+MPM = MPM_FLIP + MPM_DAMPED
+
+MOMENTUM = Balance(
+    "momentum", "impulse", "the weights of a basis that sums to one exchange momentum pairwise; the rest is impulse"
+)
+MASS = Balance("mass", "", "particles, and the integral of the reference density, keep their mass")
+
+FEM_SOURCE = (
+    "orders p + 1 of displacement and p of stress in L2 for elements of degree p: Strang and Fix (1973), An Analysis of the "
+    "Finite Element Method, chapters 1 and 7"
+)
+MPM_SOURCE = (
+    "second order of explicit MPM before particles cross cells: Steffen, Kirby and Berzins (2008), doi:10.1002/nme.2360; "
+    "Wallstedt and Guilkey (2008), doi:10.1016/j.jcp.2008.07.019"
+)
+STRESS_SOURCE = "first order of the gradient of a linear basis away from the middle of a cell; " + MPM_SOURCE
+PIC_SOURCE = (
+    "first order: every PIC transfer smooths the velocity over a distance of h, a diffusion of order h^2/dt ~ h; "
+    "Brackbill and Ruppel (1986), doi:10.1016/0021-9991(86)90211-1"
+)
+BLEND_SOURCE = f"between the second order of FLIP on coarse levels and the first of PIC on fine ones; {PIC_SOURCE}"
+ENERGY_SOURCE = (
+    "USF and MUSL with FLIP conserve energy up to O(dt^2), USL dissipates it: Bardenhagen (2002), doi:10.1006/jcph.2002.7103"
+)
+CROSSING_SOURCE = (
+    "the linear basis stalls or diverges at fixed particles per cell once particles cross cells; quadratic B-splines do not "
+    "until their smaller quadrature error shows: Steffen, Kirby and Berzins (2008), doi:10.1002/nme.2360"
+)
+GEOMETRIC_SOURCE = (
+    "the closed form is linear, an updated Lagrangian code is not: at a strain amplitude of 1 % it converges to another "
+    "solution, 1 % away within a factor of order one"
+)

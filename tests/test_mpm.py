@@ -1,0 +1,373 @@
+"""The explicit one-dimensional material point method: orders, conservation, stability, outcomes."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmverify.errors import UsageError
+from mpmverify.exact.elastic_bar import SmoothPulse, StepLoad, elastic_bar
+from mpmverify.exact.manufactured import manufactured
+from mpmverify.exact.vibration import axial_vibration
+from mpmverify.problem import (
+    Absorbing,
+    Constant,
+    Discretisation,
+    LinearElastic,
+    NeoHookean,
+    Problem,
+    Traction,
+    Transport,
+    Velocity,
+)
+from mpmverify.solution import Status
+from mpmverify.solvers.mpm import MaterialPoint, kernels, solver, transfer
+from mpmverify.solvers.mpm.state import Ends, Grid, Nodes, Particles, Scheme, Stencil
+
+FIXED, FREE = Velocity(), Traction()
+VARIANTS = [
+    MaterialPoint(schedule, flip, degree, formulation)
+    for schedule, flip, degree, formulation in itertools.product(
+        ("USF", "USL", "MUSL"), (1.0, 0.0, 0.95), (1, 2), ("updated", "total")
+    )
+]
+frozen_functions = pytest.mark.parametrize(
+    "variant", [variant for variant in VARIANTS if variant.formulation == "total"], ids=lambda variant: variant.name
+)
+by_name = pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: variant.name)
+
+
+def bar(material=None, left=FIXED, right=FIXED, end_time=1.0, velocity=None, cells=10, **choices):
+    initial = {} if velocity is None else {"velocity": velocity}
+    material = LinearElastic(1.0, 1.0) if material is None else material
+    return Problem("bar", (0.0,), (float(cells),), material, {"x-": left, "x+": right}, end_time, initial, **choices)
+
+
+def errors(verification, variant, discretisation, quantity="displacement"):
+    """Norms sqrt(sum V e^2) at the output times (T,)."""
+    solution = variant.solve(verification.problem, discretisation)
+    assert solution.outcome.completed, str(solution.outcome)
+    error = solution.fields[quantity] - verification.exact.fields[quantity](solution.reference, solution.time)
+    return np.sqrt((solution.weight * error[..., 0] ** 2).sum(axis=1))
+
+
+def series(verification, variant, cells, courant=0.2, ppc=2, quantity="displacement"):
+    (length,) = verification.problem.lengths
+    return np.array([errors(verification, variant, Discretisation(length / n, courant, ppc), quantity).max() for n in cells])
+
+
+def orders(values):
+    return np.log2(values[:-1] / values[1:])
+
+
+# Accuracy
+
+
+def test_published_total_lagrangian_errors():
+    variant = MaterialPoint(formulation="total", body_force_at="nodes")
+    found = series(manufactured(0.05, outputs=2000), variant, (8, 16, 32, 64, 128))
+    assert found == pytest.approx([4.471e-3, 1.133e-3, 2.842e-4, 7.110e-5, 1.779e-5], rel=1e-3)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("formulation", ["updated", "total"])
+@pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
+@pytest.mark.parametrize("problem", [manufactured(1e-4), axial_vibration(v0=1e-4)], ids=["manufactured", "vibration"])
+def test_flip_keeps_its_formal_orders_while_no_particle_crosses_a_cell(problem, schedule, formulation, degree):
+    variant = MaterialPoint(schedule, 1.0, degree, formulation)
+    for quantity, formal in variant.orders.items():
+        margin = 0.1 if formal == 2 else 0.55
+        assert np.all(orders(series(problem, variant, (16, 32, 64), quantity=quantity)) > formal - 0.1), quantity
+        assert np.all(orders(series(problem, variant, (16, 32, 64), quantity=quantity)) < formal + margin), quantity
+
+
+def test_the_gradient_of_the_hat_is_second_order_in_the_middle_of_the_cell():
+    found = series(axial_vibration(v0=1e-4), MaterialPoint(), (16, 32, 64), ppc=1, quantity="stress")
+    assert orders(found) == pytest.approx(2, abs=0.05)
+
+
+@pytest.mark.parametrize("formulation", ["updated", "total"])
+def test_pic_damps_at_first_order(formulation):
+    found = series(axial_vibration(v0=1e-4), MaterialPoint(flip=0.0, formulation=formulation), (64, 128, 256))
+    assert orders(found) == pytest.approx(1, abs=0.1)
+
+
+def test_crossing_stalls_the_updated_hat_but_neither_the_spline_nor_the_total_lagrangian():
+    problem, cells = manufactured(0.05), (8, 16, 32, 64)
+    assert np.all(orders(series(problem, MaterialPoint(), cells)) < 0.5)
+    assert np.all(orders(series(problem, MaterialPoint(degree=2), cells[:3], ppc=4)) > 1.75)
+    for degree in (1, 2):
+        assert np.all(orders(series(problem, MaterialPoint(degree=degree, formulation="total"), cells)) > 1.85)
+
+
+@pytest.mark.parametrize("formulation", ["updated", "total"])
+@pytest.mark.parametrize("degree", [1, 2])
+def test_a_pulse_of_traction_converges_at_second_order(degree, formulation):
+    pulse = elastic_bar(SmoothPulse(1e-6, 0.9, 0.15))
+    found = series(pulse, MaterialPoint(degree=degree, formulation=formulation), (32, 64, 128), 0.5)
+    assert np.all(orders(found) > 1.85)
+
+
+@frozen_functions
+def test_the_leapfrog_makes_free_fall_exact(variant):
+    falling = bar(left=FREE, right=FREE, body_force=lambda X, t: np.full((len(t), len(X), 1), 0.3))
+    solution = variant.solve(falling, Discretisation(1.0, 0.2, 2))
+    t = np.broadcast_to(solution.time[:, None, None], solution.position.shape)
+    assert solution.fields["displacement"] == pytest.approx(0.15 * t**2, abs=1e-15)
+    assert solution.fields["velocity"] == pytest.approx(0.3 * t, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    "variant", [MaterialPoint(), MaterialPoint("USF", degree=2, formulation="total")], ids=lambda v: v.name
+)
+def test_a_step_of_traction_swings_the_end_to_twice_its_static_displacement(variant):
+    p0 = 1e-6
+    verification = elastic_bar(StepLoad(p0), end_time=4.0)
+    problem = replace(verification.problem, outputs=400)
+    end = variant.solve(problem, Discretisation(1 / 200, 0.5)).fields["displacement"][:, -1, 0]
+    assert end.max() == pytest.approx(2 * p0, rel=0.01)
+    assert np.argmax(end) == pytest.approx(200, abs=4)
+    assert abs(end[-1]) < 0.05 * p0
+
+
+# Conservation
+
+
+velocities = st.lists(st.floats(-0.05, 0.05), min_size=20, max_size=20).map(np.array)
+ends = st.sampled_from(
+    [FIXED, FREE, Traction(Constant(-0.01)), Velocity(Constant(0.01)), Velocity(SmoothPulse(0.02, 1.0, 0.16))]
+)
+
+
+@settings(max_examples=120, deadline=None)
+@given(
+    st.sampled_from(VARIANTS),
+    velocities,
+    ends,
+    ends,
+    st.sampled_from([LinearElastic(1.0, 1.0), NeoHookean(1.0, 1.0, 0.2)]),
+    st.booleans(),
+)
+def test_mass_and_momentum_are_kept_to_round_off(variant, start, left, right, material, pulled):
+    problem = bar(
+        material,
+        left,
+        right,
+        3.0,
+        lambda X: start[:, None],
+        body_force=(lambda X, t: 0.01 * np.cos(X + t[:, None, None])) if pulled else None,
+    )
+    solution = variant.solve(problem, Discretisation(1.0, 0.4, 2))
+    history = solution.histories
+    assert history["mass"] == pytest.approx(10, rel=1e-14)
+    scale = max(0.1, np.abs(history["momentum"]).max())
+    assert history["momentum"] - history["momentum"][0] == pytest.approx(history["impulse"], abs=1e-12 * scale)
+    assert all(np.isfinite(values).all() for values in (*history.values(), *solution.fields.values()))
+
+
+def cloud(seed, degree, total=False, schedule=kernels.MUSL):
+    """Particles anywhere on a grid of unit cells, with any velocity and stress, and their basis evaluated."""
+    random = np.random.default_rng(seed)
+    cells, count = 7, 40
+    particles = Particles(
+        np.sort(random.uniform(0, cells, count)),
+        np.zeros(count),
+        random.normal(size=count),
+        random.uniform(0.5, 2, count),
+        random.normal(size=count),
+        np.full(count, 0.3),
+        random.uniform(0.1, 1, count),
+    )
+    grid = Grid(0.0, 1.0, cells, degree)
+    stencil = Stencil(np.zeros(count, dtype=np.uint32), np.zeros((count, 3)), np.zeros((count, 3)))
+    nodes = Nodes(*(np.zeros(cells + 2) for _ in Nodes._fields))
+    free = Ends(np.array([0, cells + degree - 1]), np.zeros(2, dtype=bool), np.zeros((2, 3)), np.zeros((2, 2)))
+    assert transfer.evaluate_basis(grid, particles, stencil, total)
+    transfer.particle_mass_to_grid(particles, stencil, nodes)
+    transfer.particle_momentum_to_grid(particles, stencil, nodes)
+    return Scheme(schedule, 1.0, total, False, 0, 0.0, 0.5), grid, particles, stencil, nodes, free, random
+
+
+@pytest.mark.parametrize("total", [False, True])
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("seed", range(5))
+def test_the_net_internal_force_is_zero(seed, degree, total):
+    scheme, _, particles, stencil, nodes, free, _ = cloud(seed, degree, total)
+    kernels.grid_forces(scheme, particles, stencil, nodes, free, np.zeros((0, 0)), 0, 0)
+    assert nodes.internal.sum() == pytest.approx(0, abs=1e-13 * np.abs(nodes.internal).sum())
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("seed", range(5))
+def test_flip_loses_the_energy_of_the_lumped_less_the_consistent_mass(seed, degree):
+    scheme, grid, particles, stencil, nodes, free, random = cloud(seed, degree)
+    kernels.nodal_velocity(nodes, free, 1, 0.0)
+    functions = grid.cells + degree
+    nodes.acceleration[:functions] = random.normal(size=functions)
+    dt, before, grid_before = 0.7, particles.velocity.copy(), nodes.velocity.copy()
+    kernels.advance(scheme, particles, stencil, nodes, 1, dt)
+
+    N = np.zeros((len(before), grid.cells + 2))
+    for p, first in enumerate(stencil.first):
+        N[p, first : first + 3] = stencil.value[p]
+    consistent = N.T @ (particles.mass[:, None] * N)
+    dv = dt * nodes.acceleration
+    dK_particles = (particles.mass * (particles.velocity**2 - before**2)).sum() / 2
+    dK_grid = (nodes.mass * (nodes.velocity**2 - grid_before**2)).sum() / 2
+    assert dK_particles - dK_grid == pytest.approx(-dv @ (np.diag(nodes.mass) - consistent) @ dv / 2, rel=1e-12)
+    assert dK_particles <= dK_grid
+
+
+@pytest.mark.parametrize(
+    "moved", [Traction(SmoothPulse(1e-3, 2.0, 0.3)), Velocity(SmoothPulse(1e-3, 2.0, 0.3))], ids=["force", "wall"]
+)
+def test_energy_balances_the_work_of_loads_and_walls_at_second_order(moved):
+    def imbalance(h):
+        history = MaterialPoint(formulation="total").solve(bar(right=moved, end_time=8.0), Discretisation(h, 0.25, 2)).histories
+        energy = history["kinetic_energy"] + history["strain_energy"]
+        return np.abs(energy - history["external_work"]).max() / energy.max()
+
+    assert imbalance(1 / 32) < 0.02
+    assert np.log2(imbalance(1 / 16) / imbalance(1 / 32)) > 1.7
+
+
+def test_usf_and_musl_coincide_on_frozen_functions_and_usl_dissipates():
+    random = np.random.default_rng(1).normal(size=(20, 1)) * 1e-3
+    problem = bar(velocity=lambda X: random, end_time=40.0)
+    found = {
+        schedule: MaterialPoint(schedule, formulation="total").solve(problem, Discretisation(1.0, 0.3, 2))
+        for schedule in ("USF", "USL", "MUSL")
+    }
+    for quantity in ("displacement", "velocity", "stress"):
+        assert found["USF"].fields[quantity] == pytest.approx(found["MUSL"].fields[quantity], abs=1e-14)
+    energy = {name: s.histories["kinetic_energy"] + s.histories["strain_energy"] for name, s in found.items()}
+    # Half of the kinetic energy of random particle velocities is invisible to the grid and stays.
+    assert energy["USL"][-1] < 0.9 * energy["MUSL"][-1]
+    assert energy["MUSL"][-1] == pytest.approx(energy["MUSL"][len(energy["MUSL"]) // 2], rel=0.1)
+
+
+@pytest.mark.parametrize(("schedule", "limit"), [("USL", 0.5**0.5), ("USF", 2.0), ("MUSL", 2.0)])
+def test_von_neumann_limit_of_one_centred_particle_per_cell(schedule, limit):
+    cells, steps = 100, 2000
+    random = np.random.default_rng(2).normal(size=(cells, 1)) * 1e-3
+
+    def status(courant):
+        problem = bar(velocity=lambda X: random, end_time=steps * courant, cells=cells)
+        return MaterialPoint(schedule, formulation="total").solve(problem, Discretisation(1.0, courant, 1)).outcome.status
+
+    assert status(0.99 * limit) is Status.COMPLETED
+    assert status(1.03 * limit) is Status.UNSTABLE
+
+
+@frozen_functions
+def test_a_body_between_walls_that_move_with_it_stays_unstressed(variant):
+    moving = Velocity(Constant(0.25))
+    problem = bar(left=moving, right=moving, velocity=lambda X: np.full_like(X, 0.25))
+    solution = variant.solve(problem, Discretisation(1.0, 0.5, 2))
+    assert solution.fields["displacement"][-1] == pytest.approx(0.25, rel=1e-13)
+    assert solution.fields["stress"] == pytest.approx(0, abs=1e-14)
+
+
+# Outcomes
+
+
+@by_name
+def test_nothing_happens_to_a_bar_at_rest(variant):
+    solution = variant.solve(bar(), Discretisation(1.0, 0.5, 3))
+    assert solution.outcome.completed
+    assert not any(field.any() for field in solution.fields.values())
+    assert solution.weight.sum(axis=1) == pytest.approx(10)
+    assert solution.work.point_steps == solution.work.steps * 30 == 60
+    assert solution.time[-1] == solution.histories["time"][-1] == 1.0
+
+
+def test_a_particle_that_leaves_the_grid_ends_the_run():
+    problem = bar(left=FREE, right=FREE, velocity=lambda X: np.ones_like(X), end_time=2.0, outputs=1000)
+    solution = MaterialPoint().solve(problem, Discretisation(1.0, 0.1, 2))
+    assert solution.outcome.status is Status.LEFT_GRID
+    assert solution.outcome.detail == "at step 3 of 20"
+    assert len(solution.time) == len(solution.histories["momentum"]) == 3
+    assert np.isfinite(solution.position).all()
+
+
+@frozen_functions
+def test_a_diverging_run_is_an_outcome(variant):
+    random = np.random.default_rng(3).normal(size=(20, 1)) * 1e-3
+    problem = bar(velocity=lambda X: random, end_time=2000.0)
+    solution = variant.solve(problem, Discretisation(1.0, 4.0, 2))
+    assert solution.outcome.status is Status.UNSTABLE
+    assert " of 500" in solution.outcome.detail
+    assert all(np.isfinite(field).all() for field in (*solution.fields.values(), *solution.histories.values()))
+
+
+def test_a_body_that_turns_inside_out_ends_the_run():
+    problem = bar(NeoHookean(1.0, 1.0), right=FREE, velocity=lambda X: np.full_like(X, -50.0), end_time=5.0)
+    solution = MaterialPoint(formulation="total").solve(problem, Discretisation(1.0, 0.5, 2))
+    assert solution.outcome.status is Status.NON_FINITE
+    assert "deformation gradient" in solution.outcome.detail
+
+
+def test_a_field_that_is_not_a_number_ends_the_run():
+    solution = MaterialPoint().solve(bar(velocity=lambda X: X * np.nan), Discretisation(1.0, 0.5))
+    assert solution.outcome.status is Status.NON_FINITE
+    assert len(solution.time) == 0
+
+
+def test_blocks_of_body_force_do_not_change_the_result(monkeypatch):
+    problem, discretisation = manufactured(0.05).problem, Discretisation(1 / 16, 0.3, 2)
+    whole = MaterialPoint().solve(problem, discretisation)
+    monkeypatch.setattr(solver, "BLOCK", 200)
+    parts = MaterialPoint().solve(problem, discretisation)
+    assert np.array_equal(whole.fields["stress"], parts.fields["stress"])
+    assert all(np.array_equal(whole.histories[name], parts.histories[name]) for name in whole.histories)
+
+
+def test_an_energy_that_is_given_late_is_no_instability():
+    late = Traction(SmoothPulse(1e-3, 5.0, 0.05))
+    assert MaterialPoint(formulation="total").solve(bar(right=late, end_time=9.0), Discretisation(1.0, 0.5)).outcome.completed
+
+
+# Names and misuse
+
+
+def test_names_are_made_of_the_choices_and_unique():
+    assert MaterialPoint().name == "mpm-ul-linear-musl-flip"
+    assert MaterialPoint("USL", 0.0, 2, "total").name == "mpm-tl-quadratic-usl-pic"
+    assert MaterialPoint("USF", 0.95, 1, "total", "nodes").name == "mpm-tl-linear-usf-blend95-nodalforce"
+    assert len({variant.name for variant in VARIANTS}) == len(VARIANTS)
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        {"schedule": "usl"},
+        {"flip": 1.5},
+        {"flip": float("nan")},
+        {"degree": 3},
+        {"formulation": "eulerian"},
+        {"body_force_at": "cells"},
+        {"body_force_at": "nodes"},
+    ],
+    ids=str,
+)
+def test_a_choice_that_does_not_exist_raises(choice):
+    with pytest.raises(UsageError):
+        MaterialPoint(**choice)
+
+
+@pytest.mark.parametrize(
+    ("problem", "takes"),
+    [
+        (bar(Transport(1.0)), "linear elastic"),
+        (bar(right=Absorbing()), "tractions"),
+        (replace(bar(), initial={"displacement": np.ones_like}), "initial displacement"),
+        (replace(bar(), initial={"stress": np.ones_like}), "initial stress"),
+        (Problem("box", (0, 0), (1, 1), LinearElastic(1, 1), dict.fromkeys(("x-", "x+", "y-", "y+"), FIXED), 1.0), "one-dim"),
+    ],
+)
+def test_a_problem_that_the_solver_cannot_take_raises(problem, takes):
+    with pytest.raises(UsageError, match=takes):
+        MaterialPoint().solve(problem, Discretisation(1.0, 0.5))
