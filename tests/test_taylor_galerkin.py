@@ -25,8 +25,8 @@ from mpmverify.problem import (
     Velocity,
 )
 from mpmverify.solution import Solution, Status
-from mpmverify.solvers import taylor_galerkin
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+from mpmverify.solvers.taylor_galerkin import solver as taylor_galerkin
 
 BAR = LinearElastic(youngs_modulus=6.0, density=2.0, poissons_ratio=0.25)
 C = BAR.wave_speed

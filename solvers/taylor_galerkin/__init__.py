@@ -1,0 +1,5 @@
+"""Two-step Taylor-Galerkin."""
+
+from .solver import TaylorGalerkin
+
+__all__ = ["TaylorGalerkin"]
