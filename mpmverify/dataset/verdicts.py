@@ -11,37 +11,30 @@ from mpmverify import baseline as regression
 from mpmverify.convergence import Convergence
 from mpmverify.dataset.study import evidence, series_of, solvers, text
 from mpmverify.errors import UsageError
-from mpmverify.gate import CRITERIA, Criterion, Finding, Verdict, judge
+from mpmverify.gate import CRITERIA, Criterion, Finding, Stall, Verdict, judge
 from mpmverify.norms import NORMS
 from mpmverify.study import Study
 
 
 def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
-    """Return a study's tree with its fits and verdicts made anew: verification by its criteria, regression by the baseline."""
+    """Return a study's tree with its fits and verdicts made anew: verification by its criteria, regression by the baseline.
+
+    A series that is known to stall has no regression verdict: where particles cross cells the error is noise, and the last
+    digits of another compiler are enough to change the first ones.
+    """
     study = tree.attrs["id"]
     for solver, dataset in solvers(tree):
         table = []
         declared = criteria(dataset)
         for (case, refinement), levels in series_of(dataset).items():
             seen = evidence(dataset, levels)
-            where = {"study": study, "case": case, "solver": solver, "refinement": refinement}
-            for of_case, of_refinement, criterion in declared:
-                if (of_case, of_refinement) == (case, refinement):
-                    verdict, reason = judge(criterion, seen)
-                    finding = Finding(
-                        **where,
-                        gate="verification",
-                        criterion=criterion.title,
-                        verdict=verdict,
-                        reason=reason,
-                        source=criterion.source,
-                    )
-                    table.append(finding)
-            verdict, reason = baseline.judge(study, solver, case, refinement, seen)
-            finding = Finding(
-                **where, gate="regression", criterion=regression.TITLE, verdict=verdict, reason=reason, source=baseline.source
-            )
-            table.append(finding)
+            mine = [entry for of_case, of_refinement, entry in declared if (of_case, of_refinement) == (case, refinement)]
+            judgements = [("verification", criterion.title, judge(criterion, seen), criterion.source) for criterion in mine]
+            if not any(isinstance(criterion, Stall) for criterion in mine):
+                judgement = baseline.judge(study, solver, case, refinement, seen)
+                judgements.append(("regression", regression.TITLE, judgement, baseline.source))
+            for gate, title, (verdict, reason), source in judgements:
+                table.append(Finding(study, case, solver, refinement, gate, title, verdict, reason, source))
         tree[solver].dataset = with_verdicts(with_fits(dataset), table)
     return tree
 
@@ -159,7 +152,10 @@ def accepted(baseline: regression.Baseline, trees: Sequence[xr.DataTree], reason
     count = 0
     for tree in trees:
         for solver, dataset in solvers(tree):
+            stalled = {(case, refinement) for case, refinement, entry in criteria(dataset) if isinstance(entry, Stall)}
             for (case, refinement), levels in series_of(dataset).items():
+                if (case, refinement) in stalled:
+                    continue
                 seen = evidence(dataset, levels)
                 failed = [outcome for outcome in seen.outcomes if outcome != "completed"]
                 if failed or not all(np.isfinite(table).all() for table in seen.error.values()):
