@@ -1,0 +1,349 @@
+"use strict";
+
+// Charts are drawn when they come into view; their data lie in the page, so that no network and no server is needed.
+
+const CONFIG = { displaylogo: false, responsive: true, displayModeBar: false };
+let library = null;
+
+function plotly() {
+  library ??= new Promise((resolve, reject) => {
+    const script = document.createElement("script");
+    script.src = "assets/plotly.min.js";
+    script.onload = () => resolve(window.Plotly);
+    script.onerror = () => reject(new Error("assets/plotly.min.js is missing: render the report anew"));
+    document.head.append(script);
+  });
+  return library;
+}
+
+/** Copy of a figure with every "var(--name)" replaced by what the style sheet says now. */
+function themed(value) {
+  const sheet = getComputedStyle(document.documentElement);
+  const walk = (part) => {
+    if (typeof part === "string") {
+      return part.startsWith("var(--") ? sheet.getPropertyValue(part.slice(4, -1)).trim() : part;
+    }
+    if (Array.isArray(part)) return part.map(walk);
+    if (part === null || typeof part !== "object" || ArrayBuffer.isView(part)) return part;
+    return Object.fromEntries(Object.entries(part).map(([name, entry]) => [name, walk(entry)]));
+  };
+  return walk(value);
+}
+
+/** Rows of numbers from 16-bit steps in base64; null where the value was not finite. */
+function unpacked(field, columns) {
+  const bytes = Uint8Array.from(atob(field.data), (letter) => letter.charCodeAt(0));
+  const view = new DataView(bytes.buffer);
+  const rows = [];
+  for (let at = 0; at < bytes.length; at += 2 * columns) {
+    const row = new Array(columns);
+    for (let k = 0; k < columns; k += 1) {
+      const step = view.getInt16(at + 2 * k, true);
+      row[k] = step === -32768 ? null : field.low + (step + 32767) * field.scale;
+    }
+    rows.push(row);
+  }
+  return rows;
+}
+
+const minus = (value) => Number(value.toPrecision(4)).toString().replace("-", "−");
+
+class Case {
+  constructor(section) {
+    this.section = section;
+    this.figures = JSON.parse(section.querySelector("script.figures").textContent);
+    this.drawn = new Map();
+    this.fields = new Map();
+    this.timer = null;
+    this.series = this.firstSeries();
+    this.prepare();
+  }
+
+  role(name) {
+    return this.section.querySelector(`[data-role="${name}"]`);
+  }
+
+  on(element, event, handler) {
+    element?.addEventListener(event, handler.bind(this));
+  }
+
+  firstSeries() {
+    const shown = [...this.section.querySelectorAll("input[data-series]:checked")].map((box) => Number(box.dataset.series));
+    const kept = this.figures.series.findIndex((entry) => entry.waves);
+    return shown.find((k) => this.figures.series[k].waves) ?? Math.max(kept, 0);
+  }
+
+  prepare() {
+    for (const name of ["quantity", "norm"]) this.on(this.role(name), "change", this.chooseMeasure);
+    for (const box of this.section.querySelectorAll("input[data-series]")) this.on(box, "change", () => this.refresh("convergence"));
+    for (const button of this.section.querySelectorAll("[data-pick]")) this.on(button, "click", () => this.pick(button.dataset.pick));
+    for (const button of this.section.querySelectorAll("[data-focus]")) {
+      this.on(button, "click", () => this.chooseSeries(Number(button.dataset.focus)));
+    }
+    this.on(this.role("series"), "change", (event) => this.chooseSeries(Number(event.target.value)));
+    this.on(this.role("wave-quantity"), "change", () => this.refreshWaves());
+    this.on(this.role("time"), "input", () => this.refresh("profile"));
+    this.on(this.role("play"), "click", this.togglePlay);
+    if (this.role("quantity")) this.relabel();
+    if (this.role("series")) this.chooseSeries(this.series);
+    for (const chart of this.section.querySelectorAll(".chart")) watch(chart, () => this.draw(chart));
+  }
+
+  // Convergence
+
+  get measure() {
+    return `${this.role("quantity").value}|${this.role("norm").value}`;
+  }
+
+  /** The legend tells the orders in the chosen measure, and which series lack it. */
+  relabel() {
+    const orders = new Map();
+    for (const { meta } of this.figures.convergence.data) if (meta.measure === this.measure) orders.set(meta.series, meta.order);
+    for (const box of this.section.querySelectorAll("input[data-series]")) {
+      const label = box.closest("label");
+      const order = orders.get(Number(box.dataset.series));
+      label.classList.toggle("absent", order === undefined);
+      label.querySelector(".order").textContent = order ?? "";
+    }
+  }
+
+  chooseMeasure() {
+    this.relabel();
+    for (const table of this.section.querySelectorAll("[data-measure]")) table.hidden = table.dataset.measure !== this.measure;
+    this.refresh("convergence");
+  }
+
+  pick(which) {
+    for (const box of this.section.querySelectorAll("input[data-series]")) {
+      box.checked = which === "all" || (which !== "none" && box.dataset[which] === "1");
+    }
+    this.refresh("convergence");
+  }
+
+  convergence() {
+    const { data, layout, titles } = this.figures.convergence;
+    const boxes = [...this.section.querySelectorAll("input[data-series]:checked")];
+    const chosen = new Set(boxes.map((box) => Number(box.dataset.series)));
+    const mine = data.filter((trace) => trace.meta.measure === this.measure);
+    const shown = mine.filter(({ meta }) => (meta.of ? meta.of.some((k) => chosen.has(k)) : chosen.has(meta.series)));
+    return { data: shown, layout: { ...layout, yaxis: { ...layout.yaxis, title: { text: titles[this.measure], standoff: 8 } } } };
+  }
+
+  // Waves of one series
+
+  chooseSeries(k) {
+    this.series = k;
+    this.role("series").value = String(k);
+    for (const button of this.section.querySelectorAll("[data-focus]")) {
+      button.setAttribute("aria-pressed", String(Number(button.dataset.focus) === k));
+    }
+    const { waves, h, histories } = this.figures.series[k];
+    const slider = this.role("time");
+    const share = Number(slider.value) / Number(slider.max);
+    slider.max = String(waves ? waves.t.length - 1 : 1);
+    slider.value = String(Math.round(share * Number(slider.max)));
+    this.role("level").textContent = h ? ` (level h = ${h} m)` : "";
+    const place = this.role("histories");
+    for (const chart of place.querySelectorAll(".chart")) this.forget(chart);
+    place.replaceChildren(...histories.map((figure, index) => this.multiple(figure, index)));
+    this.refreshWaves();
+  }
+
+  multiple(figure, index) {
+    const box = document.createElement("figure");
+    const caption = document.createElement("figcaption");
+    const chart = document.createElement("div");
+    caption.textContent = figure.title;
+    chart.className = "chart small";
+    chart.dataset.chart = `history-${index}`;
+    chart.setAttribute("role", "img");
+    chart.setAttribute("aria-label", `${figure.title} over time`);
+    box.append(caption, chart);
+    watch(chart, () => this.draw(chart));
+    return box;
+  }
+
+  /** Fields of the chosen series and quantity, unpacked once; null when there are none. */
+  field() {
+    const quantity = this.role("wave-quantity").value;
+    const { waves } = this.figures.series[this.series];
+    if (!waves || !waves.fields[quantity]) return null;
+    const key = `${this.series} ${quantity}`;
+    if (!this.fields.has(key)) {
+      const { value, error, signed } = waves.fields[quantity];
+      const columns = waves.x.length;
+      this.fields.set(key, { x: waves.x, t: waves.t, signed, value: unpacked(value, columns), error: unpacked(error, columns) });
+    }
+    return this.fields.get(key);
+  }
+
+  profile() {
+    const field = this.field();
+    const figure = this.figures.waves[this.role("wave-quantity").value].profile;
+    if (!field) return { data: [], layout: figure.layout };
+    const k = Math.min(Number(this.role("time").value), field.t.length - 1);
+    this.role("clock").textContent = `t = ${minus(field.t[k])} s`;
+    const { paint, symbol } = this.figures.series[this.series];
+    const exact = field.value[k].map((value, p) => (value === null || field.error[k][p] === null ? null : value - field.error[k][p]));
+    const rows = [exact, field.value[k], field.error[k]];
+    const data = figure.data.map((trace, n) => ({
+      ...trace,
+      x: field.x,
+      y: rows[n],
+      line: { color: paint, ...trace.line },
+      ...(trace.marker ? { marker: { ...trace.marker, color: paint, symbol } } : {}),
+    }));
+    const yaxis = { ...figure.layout.yaxis, range: this.range(field, "value") };
+    const yaxis2 = { ...figure.layout.yaxis2, range: this.range(field, "error") };
+    return { data, layout: { ...figure.layout, yaxis, yaxis2 } };
+  }
+
+  /** Range over all times, so that an axis stands still while the wave moves. */
+  range(field, name) {
+    const values = field[name].flat().filter((value) => value !== null);
+    if (!values.length) return undefined;
+    const low = values.reduce((a, b) => Math.min(a, b));
+    const high = values.reduce((a, b) => Math.max(a, b));
+    const room = Math.max(0.06 * (high - low), 1e-6 * Math.max(Math.abs(low), Math.abs(high))) || 1e-16;
+    return [low - room, high + room];
+  }
+
+  heat(name) {
+    const field = this.field();
+    const figure = this.figures.waves[this.role("wave-quantity").value][name];
+    if (!field) return { data: [], layout: figure.layout };
+    const [trace] = figure.data;
+    const scale = name === "value" && field.signed ? { colorscale: figure.signed, zmid: 0 } : {};
+    return { data: [{ ...trace, ...scale, x: field.x, y: field.t, z: field[name] }], layout: figure.layout };
+  }
+
+  history(index) {
+    const { time, histories } = this.figures.series[this.series];
+    const { data, axis } = histories[index];
+    const { history } = this.figures;
+    const yaxis = { ...history.yaxis, title: { text: axis, standoff: 8 } };
+    return { data: data.map((trace) => ({ ...trace, x: time })), layout: { ...history, yaxis, showlegend: data.length > 1 } };
+  }
+
+  togglePlay() {
+    const button = this.role("play");
+    const slider = this.role("time");
+    const playing = this.timer === null;
+    button.setAttribute("aria-pressed", String(playing));
+    button.textContent = playing ? "Pause" : "Play";
+    if (!playing) {
+      clearInterval(this.timer);
+      this.timer = null;
+      return;
+    }
+    if (slider.value === slider.max) slider.value = "0";
+    this.timer = setInterval(() => {
+      slider.value = String(Number(slider.value) + 1);
+      this.refresh("profile");
+      if (slider.value === slider.max) this.togglePlay();
+    }, 110);
+  }
+
+  // Drawing
+
+  figure(kind) {
+    if (kind === "convergence") return this.convergence();
+    if (kind === "profile") return this.profile();
+    if (kind.startsWith("history-")) return this.history(Number(kind.slice(8)));
+    return this.heat(kind);
+  }
+
+  async draw(chart) {
+    const Plotly = await plotly();
+    if (!chart.isConnected) return;
+    const { data, layout } = themed(this.figure(chart.dataset.chart));
+    this.drawn.set(chart, Plotly);
+    Plotly.react(chart, data, layout, CONFIG);
+  }
+
+  forget(chart) {
+    this.drawn.get(chart)?.purge(chart);
+    this.drawn.delete(chart);
+  }
+
+  refresh(kind) {
+    for (const chart of [...this.drawn.keys()]) if (chart.dataset.chart === kind) this.draw(chart);
+  }
+
+  refreshWaves() {
+    for (const kind of ["profile", "value", "error"]) this.refresh(kind);
+  }
+
+  redraw() {
+    for (const chart of [...this.drawn.keys()]) this.draw(chart);
+  }
+}
+
+const waiting = new Map();
+const observer = new IntersectionObserver(
+  (entries) => {
+    for (const entry of entries) {
+      if (!entry.isIntersecting) continue;
+      observer.unobserve(entry.target);
+      waiting.get(entry.target)?.();
+      waiting.delete(entry.target);
+    }
+  },
+  { rootMargin: "300px" },
+);
+
+function watch(element, action) {
+  waiting.set(element, action);
+  observer.observe(element);
+}
+
+/** A folded list opens when a link leads into it. */
+function unfold() {
+  const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  const folded = target && target.closest("details");
+  if (!folded) return;
+  folded.open = true;
+  target.scrollIntoView();
+}
+
+function follow() {
+  const links = new Map([...document.querySelectorAll('header.site a[href^="#"]')].map((link) => [link.hash.slice(1), link]));
+  const spy = new IntersectionObserver(
+    (entries) => {
+      for (const entry of entries) {
+        if (entry.isIntersecting) links.get(entry.target.id)?.setAttribute("aria-current", "true");
+        else links.get(entry.target.id)?.removeAttribute("aria-current");
+      }
+    },
+    { rootMargin: "-30% 0px -65% 0px" },
+  );
+  for (const section of document.querySelectorAll("section.case")) spy.observe(section);
+}
+
+const cases = new Map();
+const near = new IntersectionObserver(
+  (entries) => {
+    for (const { isIntersecting, target } of entries) {
+      if (!isIntersecting || cases.has(target)) continue;
+      cases.set(target, new Case(target));
+      near.unobserve(target);
+    }
+  },
+  { rootMargin: "600px" },
+);
+for (const section of document.querySelectorAll("section.case")) near.observe(section);
+
+const redraw = () => cases.forEach((entry) => entry.redraw());
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+addEventListener("beforeprint", () => {
+  document.documentElement.dataset.theme = "light";
+  for (const list of document.querySelectorAll(".verdicts details, #content > section > details")) list.open = true;
+  redraw();
+});
+addEventListener("afterprint", () => {
+  delete document.documentElement.dataset.theme;
+  redraw();
+});
+addEventListener("hashchange", unfold);
+unfold();
+follow();

@@ -1,0 +1,53 @@
+"""Energy, momentum and mass over the course of a run: what is kept, and how far it is from being kept."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from .record import Array, Series
+
+BALANCES = (("momentum", "impulse"), ("mass", "inflow"))
+"""(stock, what may change it)."""
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Histories that belong on one pair of axes, all in one unit.
+
+    Parameters
+    ----------
+    title : str
+    quantity, units : str
+        Of the vertical axis.
+    curves : mapping of str to Array
+        (N,) by name.
+    """
+
+    title: str
+    quantity: str
+    units: str
+    curves: Mapping[str, Array]
+
+
+def balances(series: Series) -> Iterator[Balance]:
+    """Balances of the shown level of a series, as far as its solver recorded them."""
+    history, units = series.histories, series.history_units
+    if {"kinetic_energy", "strain_energy"} <= history.keys():
+        energy = history["kinetic_energy"] + history["strain_energy"]
+        curves = {"kinetic": history["kinetic_energy"], "strain": history["strain_energy"]}
+        work = history.get("external_work")
+        if work is not None and work.any():
+            curves["external work"] = work
+            energy = energy - work
+        total = "kinetic + strain" + (" − work" if "external work" in curves else "")
+        yield Balance("Energy", "energy", units["kinetic_energy"], curves | {total: energy})
+        yield Balance("Energy drift", "change of the total", units["kinetic_energy"], {"drift": energy - energy[0]})
+    for stock, source in BALANCES:
+        if stock not in history:
+            continue
+        change = history[stock] - history[stock][0]
+        given = history[source] - history[source][0] if source in history else 0.0 * change
+        curves = {stock: history[stock], source: history[stock][0] + given} if given.any() else {stock: history[stock]}
+        if given.any() or stock == "momentum":
+            yield Balance(stock.capitalize(), stock, units[stock], curves)
+        title = f"{stock.capitalize()} less {source}" if given.any() else f"Change of {stock}"
+        yield Balance(title, "defect", units[stock], {"defect": change - given})

@@ -1,0 +1,243 @@
+"""Figures as plain dictionaries for plotly.js; colours are the names of custom properties of the style sheet."""
+
+import base64
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from .balances import Balance
+from .notation import NORM_NAMES, cell_size, in_unit, ladder, number, order
+from .record import Array, Estimate, Measure, Profile, Series
+from .styles import COLOURS, DASHES, Style
+
+Figure = dict[str, Any]
+
+POINTS, OUTPUTS = 160, 33
+"""Most points and output times of a profile in a page."""
+BUDGET = 1_500_000
+"""Values of all profiles of a page: at two bytes each, in base64, twice (field and error), 4 MB of text at most."""
+INK, MUTED, GRID = "var(--ink)", "var(--muted)", "var(--grid)"
+SEQUENTIAL = [[0, "#0b1f4b"], [0.25, "#23558c"], [0.5, "#3f8f9e"], [0.75, "#8cc59a"], [1, "#f4efb6"]]
+DIVERGING = [[0, "#1b4f8f"], [0.25, "#6fa3cf"], [0.5, "var(--neutral)"], [0.75, "#e08a5f"], [1, "#a3341c"]]
+
+
+def sig(value: float, digits: int = 5) -> float | None:
+    """Round to significant digits; None, which JSON can write, for what is not finite."""
+    return float(f"{value:.{digits}g}") if math.isfinite(value) else None
+
+
+def packed(values: Array) -> dict[str, Any]:
+    """Values in 16 bits between their least and greatest, base64: `low + (k + 32767) scale`, and -32768 where not finite."""
+    finite = np.isfinite(values)
+    low, high = (float(values[finite].min()), float(values[finite].max())) if finite.any() else (0.0, 0.0)
+    scale = (high - low) / 65534 or 1.0
+    steps = np.where(finite, np.round((np.where(finite, values, low) - low) / scale) - 32767, -32768)
+    return {"low": low, "scale": scale, "data": base64.b64encode(steps.astype("<i2").tobytes()).decode()}
+
+
+def floats(values: Array) -> dict[str, str]:
+    """Values in single precision as plotly.js reads them."""
+    return {"dtype": "f4", "bdata": base64.b64encode(np.asarray(values).astype("<f4").tobytes()).decode()}
+
+
+def axis(title: str = "", **choices: Any) -> Figure:
+    plain = {"gridcolor": GRID, "zerolinecolor": GRID, "linecolor": GRID, "exponentformat": "power", "automargin": True}
+    return plain | {"title": {"text": title, "standoff": 8}} | choices
+
+
+def layout(**choices: Any) -> Figure:
+    plain = {
+        "font": {"family": "var(--sans)", "size": 12, "color": MUTED},
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "rgba(0,0,0,0)",
+        "margin": {"l": 64, "r": 16, "t": 16, "b": 48},
+        "showlegend": False,
+        "hoverlabel": {"font": {"family": "var(--sans)", "size": 12}},
+    }
+    return plain | choices
+
+
+def key(measure: Measure) -> str:
+    return "|".join(measure)
+
+
+def convergence(series: Sequence[Series], looks: Sequence[Style], measures: Sequence[Measure]) -> Figure:
+    """Error against h of every series, quantity and norm of a case; the page shows one quantity and norm at a time.
+
+    A trace's `meta` says which measure and which series it belongs to; reference slopes and accepted bands are `of` several.
+    """
+    sizes = sorted({level.h for entry in series for level in entry.levels})
+    data = [trace for measure in measures for trace in _references(series, measure)]
+    for k, (entry, look) in enumerate(zip(series, looks, strict=True)):
+        for measure, estimate in entry.estimates.items():
+            data.append(_errors(k, entry, look, measure, estimate))
+    few = len(sizes) <= 10
+    ticks = {"tickvals": [sig(h) for h in sizes], "ticktext": [cell_size(h) for h in sizes]} if few else {}
+    titles = {key(measure): f"relative error of {measure[0]}, {NORM_NAMES.get(measure[1], measure[1])}" for measure in measures}
+    shape = layout(
+        xaxis=axis("h [m]", type="log", **ticks),
+        yaxis=axis(type="log", dtick=1),
+        hovermode="closest",
+    )
+    return {"data": data, "layout": shape, "titles": titles}
+
+
+def _errors(k: int, entry: Series, look: Style, measure: Measure, estimate: Estimate) -> Figure:
+    name = f"{entry.solver}, {ladder(entry.refinement)}"
+    notes = [
+        f"{name}<br>h = {cell_size(level.h)} m, error {number(error)}<br>order from the coarser level {order(pair)}"
+        + ("" if kept else "<br>not in the fit")
+        for level, error, pair, kept in zip(entry.levels, estimate.error, estimate.pairwise, estimate.kept, strict=True)
+    ]
+    return {
+        "type": "scatter",
+        "mode": "lines+markers",
+        "name": name,
+        "x": [sig(level.h) for level in entry.levels],
+        "y": [sig(error) if error > 0 else None for error in estimate.error],
+        "text": notes,
+        "hovertemplate": "%{text}<extra></extra>",
+        "line": {"color": look.paint, "dash": look.dash, "width": 1.8},
+        "marker": {
+            "color": look.paint,
+            "size": 8,
+            "line": {"width": 1.5, "color": look.paint},
+            "symbol": [look.symbol if kept else f"{look.symbol}-open" for kept in estimate.kept],
+        },
+        "meta": {"measure": key(measure), "series": k, "order": order(estimate.order)},
+    }
+
+
+def _references(series: Sequence[Series], measure: Measure) -> Iterator[Figure]:
+    """Accepted bands as wedges, formal orders as dashed lines where no band is declared; each starts below the errors it is of."""
+    bands: dict[tuple[float, float], list[int]] = {}
+    slopes: dict[float, list[int]] = {}
+    for k, entry in enumerate(series):
+        if measure in entry.estimates:
+            if measure in entry.bands:
+                bands.setdefault(entry.bands[measure], []).append(k)
+            elif measure[0] in entry.formal:
+                slopes.setdefault(float(entry.formal[measure[0]]), []).append(k)
+    for (low, high), of in sorted(bands.items()):
+        start = _start([series[k] for k in of], measure)
+        if start:
+            coarse, fine, error = start
+            yield {
+                "type": "scatter",
+                "mode": "text",
+                "hoverinfo": "skip",
+                "text": ["", "", f"order {low:g} to {high:g}"],
+                "textposition": "bottom right",
+                "textfont": {"color": MUTED, "size": 11},
+                "x": [sig(coarse), sig(fine), sig(fine)],
+                "y": [sig(error), sig(error * (fine / coarse) ** low), sig(error * (fine / coarse) ** high)],
+                "fill": "toself",
+                "fillcolor": "var(--band)",
+                "meta": {"measure": key(measure), "of": of},
+            }
+    for slope, of in sorted(slopes.items()):
+        start = _start([series[k] for k in of], measure)
+        if start:
+            coarse, fine, error = start
+            yield {
+                "type": "scatter",
+                "mode": "lines+text",
+                "hoverinfo": "skip",
+                "x": [sig(coarse), sig(fine)],
+                "y": [sig(error), sig(error * (fine / coarse) ** slope)],
+                "text": ["", f"order {slope:g}"],
+                "textposition": "middle left",
+                "textfont": {"color": MUTED, "size": 11},
+                "cliponaxis": False,
+                "line": {"color": MUTED, "dash": "dash", "width": 1},
+                "meta": {"measure": key(measure), "of": of},
+            }
+
+
+def _start(series: Sequence[Series], measure: Measure) -> tuple[float, float, float] | None:
+    """Coarsest and finest h, and the error from which a reference starts; None where the errors leave nothing to refer to."""
+    sizes = [level.h for entry in series for level in entry.levels]
+    coarsest = [float(entry.estimates[measure].error[0]) for entry in series]
+    usable = [error for error in coarsest if math.isfinite(error) and error > 1e-10]
+    if not usable or min(sizes) == max(sizes):
+        return None
+    return max(sizes), min(sizes), 0.5 * float(np.quantile(usable, 0.25))
+
+
+def waves(profile: Profile, outputs: int) -> Figure:
+    """Profiles of the shown level of one series: what the wave charts are filled with."""
+    rows = np.unique(np.round(np.linspace(0, len(profile.time) - 1, min(len(profile.time), outputs))).astype(int))
+    every = math.ceil(len(profile.reference) / POINTS)
+    fields = {}
+    for quantity, values in profile.fields.items():
+        value, error = values[rows, ::every], profile.error(quantity)[rows, ::every]
+        finite = value[np.isfinite(value)]
+        signed = bool(len(finite)) and float(finite.min()) < -0.05 * float(finite.max())
+        fields[quantity] = {"value": packed(value), "error": packed(error), "signed": signed}
+    return {"t": [sig(t) for t in profile.time[rows]], "x": [sig(x, 7) for x in profile.reference[::every]], "fields": fields}
+
+
+def outputs_within_budget(profiles: Sequence[Profile]) -> int:
+    """Output times that each profile of a page may have."""
+    values = sum(field.size for profile in profiles for field in profile.fields.values())
+    return OUTPUTS if values <= BUDGET else max(9, int(OUTPUTS * BUDGET / values))
+
+
+def wave_figures(units: dict[str, str]) -> dict[str, Figure]:
+    """Charts of a profile, by quantity, without data: the profile with its error, and both over space and time."""
+    return {quantity: _wave_figures(quantity, unit) for quantity, unit in units.items()}
+
+
+def _wave_figures(quantity: str, unit: str) -> Figure:
+    line = {"type": "scatter", "mode": "lines"}
+    position = "reference position X [m]"
+    bar = {"thickness": 10, "outlinewidth": 0, "exponentformat": "power", "tickfont": {"color": MUTED}}
+    square = layout(xaxis=axis(position), yaxis=axis("t [s]"), margin={"l": 56, "r": 8, "t": 12, "b": 48})
+    heat = {"type": "heatmap", "colorbar": bar, "hovertemplate": "X = %{x}<br>t = %{y}<br>%{z:.3~g}<extra></extra>"}
+    return {
+        "profile": {
+            "data": [
+                line | {"name": "exact", "line": {"color": INK, "width": 1.2, "dash": "dash"}},
+                line | {"name": "numerical", "mode": "lines+markers", "marker": {"size": 4}, "line": {"width": 1.8}},
+                line | {"name": "numerical − exact", "yaxis": "y2", "line": {"width": 1.4}},
+            ],
+            "layout": layout(
+                xaxis=axis(position, anchor="y2"),
+                yaxis=axis(in_unit(quantity, unit), domain=[0.36, 1]),
+                yaxis2=axis("error", domain=[0, 0.26]),
+                showlegend=True,
+                legend={"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"},
+                margin={"l": 72, "r": 16, "t": 32, "b": 48},
+                hovermode="x unified",
+            ),
+        },
+        "value": {"data": [heat | {"colorscale": SEQUENTIAL}], "signed": DIVERGING, "layout": square},
+        "error": {"data": [heat | {"colorscale": DIVERGING, "zmid": 0}], "layout": square},
+    }
+
+
+def history_layout() -> Figure:
+    """Layout that the charts of the balances share; the vertical axis has its title from the balance."""
+    return layout(
+        xaxis=axis("t [s]"),
+        yaxis=axis(),
+        legend={"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"},
+        margin={"l": 64, "r": 12, "t": 28, "b": 44},
+    )
+
+
+def history(part: Balance) -> Figure:
+    """One small chart of a balance; the times, which all balances of a series share, are stored once."""
+    data = [
+        {
+            "type": "scatter",
+            "mode": "lines",
+            "name": name,
+            "y": floats(values),
+            "line": {"color": f"var(--series-{k % COLOURS})", "dash": DASHES[k % len(DASHES)], "width": 1.6},
+        }
+        for k, (name, values) in enumerate(part.curves.items())
+    ]
+    return {"title": part.title, "axis": in_unit(part.quantity, part.units), "data": data}

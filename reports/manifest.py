@@ -1,0 +1,102 @@
+"""What the report was made from, so that what has not changed is not rendered again."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from importlib import metadata
+from pathlib import Path
+
+import mpmverify
+from mpmverify.dataset.files import Results, write_atomic
+from mpmverify.errors import ResultsError
+
+LIBRARIES = ("jinja2", "latex2mathml", "plotly")
+SOURCES = ("convergence.py", "gate.py", "norms.py", "summary.py", "dataset/study.py", "dataset/verdicts.py")
+"""Modules of the core that a page depends on, beside the report itself."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A study's file, which is only ever written anew: its size and its time tell whether it was."""
+
+    size: int
+    modified: int
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """Sources of a report.
+
+    Parameters
+    ----------
+    code : str
+        Digest of everything that turns a dataset into a page.
+    studies : mapping of str to Source
+        By the stem of the study's file.
+    """
+
+    code: str = ""
+    studies: Mapping[str, Source] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, results: Results) -> "Manifest":
+        """Manifest of the report that was written last; empty when there is none, or none that can be read."""
+        try:
+            stored = json.loads(_path(results).read_text(encoding="utf-8"))
+            return cls(stored["code"], {name: Source(**entry) for name, entry in stored["studies"].items()})
+        except (OSError, ValueError, TypeError, KeyError, AttributeError):
+            return cls()
+
+    @classmethod
+    def of(cls, results: Results) -> "Manifest":
+        """Manifest of the report that the results ask for.
+
+        Raises
+        ------
+        ResultsError
+            If a study would take the place of the index page.
+        """
+        stats = {path.stem: path.stat() for path in results.studies()}
+        studies = {name: Source(stat.st_size, stat.st_mtime_ns) for name, stat in stats.items()}
+        if "index" in studies:
+            raise ResultsError(f"'{results.study('index')}' would take the place of the index page: name the study otherwise")
+        return cls(_code(), studies)
+
+    def describes(self, known: "Manifest", results: Results) -> bool:
+        """Whether the report at hand is the one that `self` asks for."""
+        return self == known and not self.stale(known, results)
+
+    def stale(self, known: "Manifest", results: Results) -> list[str]:
+        """Studies whose page is missing or was made from something else."""
+        return [
+            name
+            for name, source in self.studies.items()
+            if self.code != known.code or known.studies.get(name) != source or not page(results, name).exists()
+        ]
+
+    def write(self, results: Results, known: "Manifest") -> None:
+        """Record this report, and remove the pages of studies that are gone."""
+        for name in known.studies.keys() - self.studies.keys():
+            page(results, name).unlink(missing_ok=True)
+        text = json.dumps(asdict(self), indent=1, sort_keys=True) + "\n"
+        write_atomic(_path(results), lambda temporary: temporary.write_text(text, encoding="utf-8"))
+
+
+def page(results: Results, study: str) -> Path:
+    return results.report / f"{study}.html"
+
+
+def _path(results: Results) -> Path:
+    return results.report / "manifest.json"
+
+
+def _code() -> str:
+    here, core = Path(__file__).parent, Path(mpmverify.__file__).parent
+    files = sorted(path for kind in ("*.py", "templates/*.html", "assets/*") for path in here.glob(kind))
+    total = hashlib.sha256()
+    for path in [*files, *(core / name for name in SOURCES)]:
+        total.update(path.read_bytes())
+    versions = [mpmverify.__version__, *(metadata.version(name) for name in LIBRARIES)]
+    total.update(" ".join(versions).encode())
+    return total.hexdigest()[:24]

@@ -1,0 +1,83 @@
+"""Numbers, names and sentences as people read them: plain Unicode, no markup."""
+
+import math
+import re
+
+DASH = "–"
+MINUS = "−"
+SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+NORM_NAMES = {"L1": "L₁", "L2": "L₂", "Linf": "L∞", "L2-max": "L₂, largest over time"}
+QUANTITY_SYMBOLS = {"displacement": "u", "velocity": "v", "stress": "σ"}
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return a number to some significant digits: 0.0123, 1.23×10⁻⁵, −4, and an en dash for what is not finite."""
+    if not math.isfinite(value):
+        return DASH
+    if value == 0:
+        return "0"
+    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+    power = int(exponent)
+    if -3 <= power < max(digits, 4):
+        return f"{float(f'{value:.{digits - 1}e}'):.{max(digits - 1 - power, 0)}f}".replace("-", MINUS)
+    return f"{mantissa.replace('-', MINUS)}×10{str(power).translate(SUPERSCRIPT)}"
+
+
+def size(value: float) -> str:
+    """Return a time step or Courant number to four digits without trailing zeros."""
+    if not math.isfinite(value):
+        return DASH
+    text = f"{value:.4g}"
+    return number(value, 4) if "e" in text else text.replace("-", MINUS)
+
+
+def cell_size(value: float) -> str:
+    """Return a cell size as a fraction of the unit where it is one, "1/64", else to four digits."""
+    parts = 1 / value
+    return f"1/{round(parts)}" if parts > 1.5 and abs(parts - round(parts)) < 1e-9 * parts else size(value)
+
+
+def order(value: float) -> str:
+    """Return an order of convergence to two decimals."""
+    return f"{value:.2f}".replace("-", MINUS) if math.isfinite(value) else DASH
+
+
+def interval(low: float, high: float) -> str:
+    """Return "[1.98, 2.01]"; an en dash where the interval is not finite."""
+    return f"[{order(low)}, {order(high)}]" if math.isfinite(low) and math.isfinite(high) else DASH
+
+
+def count(value: int) -> str:
+    """Return an integer with thin spaces between its thousands."""
+    return f"{value:,}".replace(",", "\u2009").replace("-", MINUS)
+
+
+def unit(text: str) -> str:
+    """Return a unit in UDUNITS spelling, "m s-1", as "m s⁻¹"; "" for a pure number."""
+    return "" if text == "1" else re.sub(r"-?\d+", lambda found: found[0].translate(SUPERSCRIPT), text)
+
+
+def in_unit(name: str, units: str) -> str:
+    """Return "velocity [m s⁻¹]"."""
+    return f"{name} [{unit(units)}]" if unit(units) else name
+
+
+def ladder(label: str) -> str:
+    """Return a ladder's label in words: "Courant 0.5, 2 ppc"."""
+    return label.replace(", nu_C ~ ", " ∝ ").replace("nu_C=", "Courant ").replace("h/h0", "h/h₀")
+
+
+def slug(name: str) -> str:
+    """Return a name as an anchor."""
+    return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-") or "x"
+
+
+def slugs(names: list[str]) -> dict[str, str]:
+    """Anchors of some names, no two the same."""
+    table: dict[str, str] = {}
+    for name in names:
+        anchor, k = slug(name), 2
+        while anchor in table.values():
+            anchor, k = f"{slug(name)}-{k}", k + 1
+        table[name] = anchor
+    return table

@@ -1,0 +1,165 @@
+"""Verdicts at a glance: marks, shares, matrices, lists of what did not pass, and where it all comes from."""
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+
+from mpmverify.gate import Finding, Verdict, exit_status, worst
+from mpmverify.summary import ranked
+
+from .notation import ladder, slugs
+from .pages import IndexPage
+from .parts import Cell, Fact, GateMark, Group, Judgement, Link, Mark, Origin, Row, Share
+from .record import Record
+
+GATES = ("verification", "regression")
+HINTS = 6
+"""Reasons in the hint of a cell; all of them are in the lists."""
+MEANING = {
+    0: "The gate would end with status 0: nothing failed.",
+    1: "The gate would end with status 1: a gate failed.",
+    3: "The gate would end with status 3: a run erred.",
+    4: "The gate would end with status 0, and with 4 under --strict: nothing failed, but not everything could be concluded.",
+}
+
+
+def case_anchors(record: Record) -> dict[str, str]:
+    """Anchor of each case on the page of its study."""
+    return {name: f"case-{anchor}" for name, anchor in slugs([case.name for case in record.cases]).items()}
+
+
+def solver_anchors(record: Record) -> dict[str, str]:
+    """Anchor of each solver on the page of a study."""
+    return {name: f"solver-{anchor}" for name, anchor in slugs(list(record.schemes)).items()}
+
+
+def verdict_anchors(record: Record) -> dict[tuple[str, str], str]:
+    """Anchor of the verdicts on (case, solver) on the page of their study."""
+    cases, names = case_anchors(record), slugs(list(record.schemes))
+    return {(case, solver): f"{cases[case]}--{anchor}" for case in cases for solver, anchor in names.items()}
+
+
+def mark(findings: Sequence[Finding]) -> Mark:
+    """Worst verdict of some findings, and how many of them have it."""
+    verdict = worst(finding.verdict for finding in findings)
+    count = sum(finding.verdict is verdict for finding in findings)
+    return Mark(verdict.value.lower(), verdict.value, f"{count} of {len(findings)}")
+
+
+def gate_marks(findings: Sequence[Finding]) -> tuple[GateMark, ...]:
+    """Worst verdict of each gate that judged anything."""
+    judged = {gate: [finding for finding in findings if finding.gate == gate] for gate in GATES}
+    return tuple(GateMark(gate.capitalize(), mark(members)) for gate, members in judged.items() if members)
+
+
+def shares(findings: Sequence[Finding]) -> tuple[Share, ...]:
+    count = Counter(finding.verdict for finding in findings)
+    return tuple(Share(Mark(v.value.lower(), v.value), count[v]) for v in reversed(Verdict) if count[v])
+
+
+def cell(findings: Sequence[Finding], href: str) -> Cell:
+    """Make the cell of some findings; its hint has the reasons of the worst of them."""
+    bad = [f"{f.verdict} {f.case}, {ladder(f.refinement)}: {f.criterion}: {f.reason}" for f in ranked(findings)]
+    more = [f"and {len(bad) - HINTS} more"] if len(bad) > HINTS else []
+    return Cell(mark(findings), href, "\n".join(bad[:HINTS] + more) or f"all {len(findings)} passed")
+
+
+def matrix(
+    findings: Sequence[Finding],
+    columns: Sequence[str],
+    column_of: Callable[[Finding], str],
+    href: Callable[[str, str], str],
+    anchors: Mapping[str, str],
+) -> tuple[Row, ...]:
+    """Rows by solver, in the order of their anchors: a pair of cells (verification, regression) by column; `href` links (column, solver)."""
+    table: dict[tuple[str, str, str], list[Finding]] = {}
+    for finding in findings:
+        table.setdefault((finding.solver, column_of(finding), finding.gate), []).append(finding)
+    rows = []
+    for solver, anchor in anchors.items():
+        cells = []
+        for column in columns:
+            judged = [table.get((solver, column, gate), []) for gate in GATES]
+            verification, regression = (cell(members, href(column, solver)) if members else None for members in judged)
+            cells.append((verification, regression))
+        rows.append(Row(anchor, solver, tuple(cells)))
+    return tuple(rows)
+
+
+def judgement(finding: Finding, href: str, footnote: int = 0) -> Judgement:
+    return Judgement(
+        mark=Mark(finding.verdict.value.lower(), finding.verdict.value),
+        study=finding.study,
+        case=finding.case,
+        solver=finding.solver,
+        ladder=ladder(finding.refinement),
+        gate=finding.gate,
+        criterion=finding.criterion,
+        reason=finding.reason,
+        href=href,
+        footnote=footnote,
+    )
+
+
+def not_passed(findings: Sequence[Finding], href: Callable[[Finding], str]) -> tuple[Group, ...]:
+    """What is no PASS, by verdict and gate, the worst first; long lists of what is merely inconclusive are folded."""
+    table: dict[tuple[Verdict, str], list[Finding]] = {}
+    for finding in ranked(findings):
+        table.setdefault((finding.verdict, finding.gate), []).append(finding)
+    groups = []
+    for verdict in reversed(Verdict):
+        for gate in GATES:
+            members = table.get((verdict, gate), [])
+            if members:
+                judged = tuple(judgement(f, href(f)) for f in members)
+                severe = verdict is not Verdict.INCONCLUSIVE or len(members) <= 12
+                title = f"{gate.capitalize()}: {len(members)}"
+                groups.append(Group(f"{verdict.value.lower()}-{gate}", judged[0].mark, title, (), severe, judged))
+    return tuple(groups)
+
+
+def origin(record: Record) -> Origin:
+    """Provenance of a study's file."""
+    a = record.attributes
+    names = {
+        "Written": a["date_created"],
+        "Commit": a["commit"] if a["commit_state"] == "installed" else f"{a['commit'][:12]} ({a['commit_state']})",
+        "Tier": a["tier"],
+        "Made by": a["source"],
+        "Versions": a["versions"],
+        "Platform": a["platform"],
+        "Seeds": a["seeds"],
+        "Inputs": a["inputs"] or "incomplete: a run left no file",
+        "Schema": f"{a['mpmverify_schema']}, {a['Conventions']}",
+    }
+    return Origin(record.name, f"../{record.name}.nc", tuple(Fact(name, str(value)) for name, value in names.items()))
+
+
+def index_page(records: Sequence[Record], generator: str) -> IndexPage:
+    """Make the first page from all studies."""
+    findings = [finding for record in records for finding in record.findings]
+    names = list(dict.fromkeys(solver for record in records for solver in record.schemes))
+    solvers = {record.name: solver_anchors(record) for record in records}
+    places = {record.name: verdict_anchors(record) for record in records}
+    verdicts = [finding.verdict for finding in findings]
+    return IndexPage(
+        title="Verification report",
+        generator=generator,
+        navigation=(
+            Link("Overview", "index.html", True),
+            *(Link(str(r.attributes["title"]), f"{r.name}.html") for r in records),
+        ),
+        mark=mark(findings),
+        gates=gate_marks(findings),
+        shares=shares(findings),
+        exit_status=MEANING[exit_status(verdicts, strict=True)],
+        columns=tuple(Link(str(record.attributes["title"]), f"{record.name}.html") for record in records),
+        rows=matrix(
+            findings,
+            [record.name for record in records],
+            lambda finding: finding.study,
+            lambda study, solver: f"{study}.html#{solvers[study][solver]}",
+            {solver: f"solver-{anchor}" for solver, anchor in slugs(names).items()},
+        ),
+        groups=not_passed(findings, lambda f: f"{f.study}.html#{places[f.study][f.case, f.solver]}"),
+        origins=tuple(origin(record) for record in records),
+    )

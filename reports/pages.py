@@ -1,0 +1,103 @@
+"""What the pages show: one frozen value a page, ready to print; a template adds no number and no decision to it."""
+
+from dataclasses import dataclass
+
+from .parts import Curve, Fact, GateMark, Group, Link, Mark, Option, OrderTable, Origin, Row, RunRow, Scheme, Share
+
+
+@dataclass(frozen=True)
+class CaseSection:
+    """A case on the page of its study.
+
+    `figures` is JSON for the script, safe within HTML; `charted` tells whether any error can be drawn against h.
+    """
+
+    anchor: str
+    name: str
+    gates: tuple[GateMark, ...]
+    exposes: str
+    citation: str
+    equations: tuple[str, ...]
+    setup: tuple[Fact, ...]
+    quantities: tuple[Option, ...]
+    norms: tuple[Option, ...]
+    charted: bool
+    curves: tuple[Curve, ...]
+    wave_quantities: tuple[Option, ...]
+    thumbnail_quantity: str
+    tables: tuple[OrderTable, ...]
+    groups: tuple[Group, ...]
+    sources: tuple[str, ...]
+    runs: tuple[RunRow, ...]
+    cost: str
+    figures: str
+
+
+@dataclass(frozen=True)
+class IndexPage:
+    """The first page: every study and solver at a glance.
+
+    Parameters
+    ----------
+    title, generator : str
+    navigation : tuple of Link
+    mark : Mark
+        The worst verdict of all.
+    gates : tuple of GateMark
+    shares : tuple of Share
+        How many findings have each verdict.
+    exit_status : str
+        With which status the gate would end, in a sentence.
+    columns : tuple of Link
+        Studies of the matrix.
+    rows : tuple of Row
+    groups : tuple of Group
+        What is no PASS.
+    origins : tuple of Origin
+    """
+
+    title: str
+    generator: str
+    navigation: tuple[Link, ...]
+    mark: Mark
+    gates: tuple[GateMark, ...]
+    shares: tuple[Share, ...]
+    exit_status: str
+    columns: tuple[Link, ...]
+    rows: tuple[Row, ...]
+    groups: tuple[Group, ...]
+    origins: tuple[Origin, ...]
+
+
+@dataclass(frozen=True)
+class StudyPage:
+    """The page of a study.
+
+    Parameters
+    ----------
+    title, generator : str
+    navigation : tuple of Link
+        The index page and the cases.
+    summary : str
+    gates : tuple of GateMark
+    shares : tuple of Share
+    columns : tuple of Link
+        Cases of the matrix.
+    rows : tuple of Row
+    schemes : tuple of Scheme
+    cases : tuple of CaseSection
+    origins : tuple of Origin
+        Of this study alone.
+    """
+
+    title: str
+    generator: str
+    navigation: tuple[Link, ...]
+    summary: str
+    gates: tuple[GateMark, ...]
+    shares: tuple[Share, ...]
+    columns: tuple[Link, ...]
+    rows: tuple[Row, ...]
+    schemes: tuple[Scheme, ...]
+    cases: tuple[CaseSection, ...]
+    origins: tuple[Origin, ...]

@@ -1,0 +1,190 @@
+"""Parts of pages: frozen values, ready to print."""
+
+from dataclasses import dataclass
+
+from .thumbnails import Thumbnail
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link of the navigation."""
+
+    text: str
+    href: str
+    current: bool = False
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A verdict: `kind` is its name in lower case, for the style sheet and the icon; `note` says of how many."""
+
+    kind: str
+    text: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class GateMark:
+    """The verdict of one gate."""
+
+    gate: str
+    mark: Mark
+
+
+@dataclass(frozen=True)
+class Share:
+    """How many of the findings have a verdict."""
+
+    mark: Mark
+    count: int
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell of a matrix: the worst verdict with the reasons of those that are no PASS; None where nothing was judged."""
+
+    mark: Mark
+    href: str
+    hint: str
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a matrix: a solver, and (verification, regression) for each column."""
+
+    anchor: str
+    solver: str
+    cells: tuple[tuple[Cell | None, Cell | None], ...]
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """What a solver is: its choices and its formal orders."""
+
+    solver: str
+    choices: str
+    orders: str
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A finding; `footnote` numbers its source among those of its case."""
+
+    mark: Mark
+    study: str
+    case: str
+    solver: str
+    ladder: str
+    gate: str
+    criterion: str
+    reason: str
+    href: str
+    footnote: int = 0
+
+
+@dataclass(frozen=True)
+class Group:
+    """Findings that belong together, folded or not."""
+
+    anchor: str
+    mark: Mark
+    title: str
+    gates: tuple[GateMark, ...]
+    unfolded: bool
+    judgements: tuple[Judgement, ...]
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A name and its value."""
+
+    name: str
+    value: str
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where the file of a study comes from."""
+
+    study: str
+    href: str
+    facts: tuple[Fact, ...]
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option of a selector."""
+
+    value: str
+    text: str
+    selected: bool
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A series in the legend of its case."""
+
+    index: int
+    solver: str
+    ladder: str
+    order: str
+    shown: bool
+    passed: bool
+    paint: str
+    stroke: str
+    symbol: str
+    thumbnail: Thumbnail | None
+    mark: Mark
+
+
+@dataclass(frozen=True)
+class ErrorCell:
+    """One level in one quantity and norm."""
+
+    error: str
+    absolute: str
+    order: str
+    kept: bool
+
+
+@dataclass(frozen=True)
+class OrderRow:
+    """One series in one quantity and norm; a cell is None where it has no such level."""
+
+    solver: str
+    ladder: str
+    cells: tuple[ErrorCell | None, ...]
+    order: str
+    interval: str
+    expected: str
+    classification: str
+    floor: str
+
+
+@dataclass(frozen=True)
+class OrderTable:
+    """Errors and orders of a case in one quantity and norm."""
+
+    key: str
+    caption: str
+    shown: bool
+    sizes: tuple[Fact, ...]
+    rows: tuple[OrderRow, ...]
+    dropped: tuple[Fact, ...]
+
+
+@dataclass(frozen=True)
+class RunRow:
+    """One run and its cost; `href` is empty when it left no file."""
+
+    solver: str
+    ladder: str
+    h: str
+    dt: str
+    courant: str
+    ppc: str
+    steps: str
+    point_steps: str
+    seconds: str
+    outcome: str
+    href: str

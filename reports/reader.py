@@ -1,0 +1,184 @@
+"""Study files, read into records."""
+
+import dataclasses
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from mpmverify.dataset.files import SCHEMA, check_ours
+from mpmverify.errors import ResultsError
+from mpmverify.gate import Finding, Verdict
+
+from .record import Array, Case, Estimate, Level, Measure, Profile, Record, Series
+
+
+def read(path: Path) -> Record:
+    """Read a study file; its name names its page, so that a copy stands beside the original.
+
+    Raises
+    ------
+    ResultsError
+        If the file is unreadable, foreign or damaged.
+
+    Notes
+    -----
+    The variables are read as they lie: an xarray tree of all of them takes five times as long.
+    """
+    try:
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_maskandscale(False)
+            attributes = {name: file.getncattr(name) for name in file.ncattrs()}
+            if attributes.get("mpmverify_kind") != "study" or attributes.get("mpmverify_schema") != SCHEMA:
+                check_ours(path, "study")
+            root = _columns(file)
+            series = [entry for solver, group in file.groups.items() for entry in _series(path.stem, solver, group)]
+            schemes = {solver: str(group.scheme) for solver, group in file.groups.items()}
+    except ResultsError:
+        raise
+    except (OSError, RuntimeError, AttributeError, KeyError, IndexError, ValueError) as error:
+        check_ours(path, "study")
+        raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
+    return Record(path.stem, attributes, tuple(_cases(root)), schemes, tuple(series))
+
+
+def _columns(group: netCDF4.Dataset) -> dict[str, np.ndarray]:
+    return {name: variable[...] for name, variable in group.variables.items()}
+
+
+def _units(group: netCDF4.Dataset) -> dict[str, str]:
+    return {name: str(getattr(variable, "units", "1")) for name, variable in group.variables.items()}
+
+
+def _cases(column: Mapping[str, np.ndarray]) -> Iterator[Case]:
+    names = ("case", "exposes", "citation", "equations", "setup", "shown")
+    for name, exposes, citation, equations, setup, shown in zip(*(column[n].tolist() for n in names), strict=True):
+        table = tuple((str(k), str(v)) for k, v in json.loads(setup).items())
+        yield Case(name, exposes, citation, tuple(json.loads(equations)), table, shown)
+
+
+def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]:
+    column = _columns(group)
+    bands, judged = _bands(column), _judged(column, study, solver)
+    profiles = _profiles(group.groups["snapshots"]) if "snapshots" in group.groups else {}
+    histories = _histories(group.groups["histories"]) if "histories" in group.groups else {}
+    members: dict[tuple[str, str], list[int]] = {}
+    for index, identity in enumerate(zip(column["case"].tolist(), column["refinement"].tolist(), strict=True)):
+        members.setdefault(identity, []).append(index)
+    fits = list(zip(column["series_case"].tolist(), column["series_refinement"].tolist(), strict=True))
+    for identity, unsorted in members.items():
+        indices = np.array(unsorted)[np.argsort(-column["h"][unsorted], kind="stable")]
+        names = [f.name for f in dataclasses.fields(Level)]
+        levels = tuple(Level(*entry) for entry in zip(*(column[name][indices].tolist() for name in names), strict=True))
+        history, units = histories.get(identity, ({}, {}))
+        yield Series(
+            case=identity[0],
+            solver=solver,
+            family=str(group.scheme).partition("(")[0],
+            refinement=identity[1],
+            formal=json.loads(group.orders),
+            levels=levels,
+            estimates=_estimates(column, fits.index(identity), indices),
+            bands=bands.get(identity, {}),
+            findings=tuple(judged.get(identity, ())),
+            profile=profiles.get(identity),
+            histories=history,
+            history_units=units,
+        )
+
+
+def _judged(column: Mapping[str, np.ndarray], study: str, solver: str) -> dict[tuple[str, str], list[Finding]]:
+    """Findings by series."""
+    table: dict[tuple[str, str], list[Finding]] = {}
+    fields = {name.removeprefix("verdict_"): values.tolist() for name, values in column.items() if name.startswith("verdict_")}
+    for row in zip(*fields.values(), strict=True):
+        values = dict(zip(fields, row, strict=True))
+        finding = Finding(study=study, solver=solver, verdict=Verdict(values.pop("verdict")), **values)
+        table.setdefault((finding.case, finding.refinement), []).append(finding)
+    return table
+
+
+def _estimates(column: Mapping[str, np.ndarray], row: int, indices: np.ndarray) -> dict[Measure, Estimate]:
+    table = {}
+    for k, quantity in enumerate(column["quantity"].tolist()):
+        for n, norm in enumerate(column["norm"].tolist()):
+            error = column["error"][indices, k, n]
+            if not np.isfinite(error).any():
+                continue
+            sentences = tuple(s for s in str(column["dropped"][row, k, n]).split("; ") if s)
+            gone = {sentence.partition(":")[0] for sentence in sentences}
+            order = float(column["order"][row, k, n])
+            fitted = np.isfinite(error) & np.isfinite(order)
+            kept = tuple(bool(f) and f"h={h:g}" not in gone for f, h in zip(fitted, column["h"][indices], strict=True))
+            table[quantity, norm] = Estimate(
+                error=error,
+                absolute=column["error_absolute"][indices, k, n],
+                pairwise=column["order_pairwise"][indices, k, n],
+                kept=kept,
+                dropped=sentences,
+                order=order,
+                low=float(column["order_low"][row, k, n]),
+                high=float(column["order_high"][row, k, n]),
+                floor=float(column["floor"][row, k, n]),
+                classification=str(column["classification"][row, k, n]),
+            )
+    return table
+
+
+def _bands(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[Measure, tuple[float, float]]]:
+    """Accepted bands of orders, by series and measure."""
+    table: dict[tuple[str, str], dict[Measure, tuple[float, float]]] = {}
+    rows = (column[f"criterion_{name}"].tolist() for name in ("case", "refinement", "json"))
+    for case, refinement, stored in zip(*rows, strict=True):
+        criterion = json.loads(stored)
+        if criterion["type"] == "Order":
+            measure = criterion["quantity"], criterion["norm"]
+            table.setdefault((case, refinement), {})[measure] = criterion["low"], criterion["high"]
+    return table
+
+
+def _profiles(shots: netCDF4.Dataset) -> dict[tuple[str, str], Profile]:
+    column, units = _columns(shots), _units(shots)
+    quantities = [name for name in column if f"{name}_exact" in column]
+    ends = np.cumsum(column["row_size"])
+    table: dict[tuple[str, str], list[int]] = {}
+    for row, identity in enumerate(zip(column["case"].tolist(), column["refinement"].tolist(), strict=True)):
+        table.setdefault(identity, []).append(row)
+    profiles = {}
+    for identity, rows in table.items():
+        points = int(column["row_size"][rows[0]])
+        begin = int(ends[rows[0]]) - points
+        part = slice(begin, begin + points * len(rows))
+        reference = column["reference"][begin : begin + points]
+        ascending = np.argsort(reference, kind="stable")
+
+        def grid(
+            name: str, part: slice = part, shape: tuple[int, int] = (len(rows), points), by: np.ndarray = ascending
+        ) -> Array:
+            values: Array = column[name][part].reshape(shape)[:, by]
+            return values
+
+        measured = [name for name in quantities if np.isfinite(column[name][part]).any()]
+        profiles[identity] = Profile(
+            h=float(column["h"][rows[0]]),
+            time=column["time"][rows],
+            reference=reference[ascending],
+            fields={name: grid(name) for name in measured},
+            exact={name: grid(f"{name}_exact") for name in measured},
+            units={name: units[name] for name in measured},
+        )
+    return profiles
+
+
+def _histories(samples: netCDF4.Dataset) -> dict[tuple[str, str], tuple[dict[str, Array], dict[str, str]]]:
+    column = _columns(samples)
+    units = {name.removeprefix("history_"): unit for name, unit in _units(samples).items()}
+    ends = np.cumsum(column["row_size"])
+    table = {}
+    for row, identity in enumerate(zip(column["case"].tolist(), column["refinement"].tolist(), strict=True)):
+        part = slice(int(ends[row] - column["row_size"][row]), int(ends[row]))
+        parts = {name.removeprefix("history_"): values[part] for name, values in column.items() if name.startswith("history_")}
+        table[identity] = {name: values for name, values in parts.items() if np.isfinite(values).any()}, units
+    return table

@@ -1,0 +1,111 @@
+"""A study as it is read from its file: plain frozen values, one series at a time."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpmverify.gate import Finding
+
+Array = NDArray[np.float64]
+Measure = tuple[str, str]
+"""(quantity, norm)."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """One run of a series."""
+
+    h: float
+    dt: float
+    courant: float
+    ppc: int
+    steps: int
+    point_steps: int
+    seconds: float
+    outcome: str
+    run: str
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Errors of one series in one quantity and norm, coarsest level first, and the order that was fitted to them."""
+
+    error: Array
+    absolute: Array
+    pairwise: Array
+    kept: tuple[bool, ...]
+    dropped: tuple[str, ...]
+    order: float
+    low: float
+    high: float
+    floor: float
+    classification: str
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Fields of one level at its output times: T times, P points, sorted by reference position."""
+
+    h: float
+    time: Array
+    reference: Array
+    fields: Mapping[str, Array]
+    exact: Mapping[str, Array]
+    units: Mapping[str, str]
+
+    def error(self, quantity: str) -> Array:
+        """Numerical less exact field (T, P)."""
+        difference: Array = self.fields[quantity] - self.exact[quantity]
+        return difference
+
+
+@dataclass(frozen=True)
+class Series:
+    """One solver on one ladder of one case."""
+
+    case: str
+    solver: str
+    family: str
+    refinement: str
+    formal: Mapping[str, float]
+    levels: tuple[Level, ...]
+    estimates: Mapping[Measure, Estimate]
+    bands: Mapping[Measure, tuple[float, float]]
+    findings: tuple[Finding, ...]
+    profile: Profile | None = None
+    histories: Mapping[str, Array] = field(default_factory=dict)
+    history_units: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def completed(self) -> bool:
+        return all(level.outcome == "completed" for level in self.levels)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a study says of one of its verification problems."""
+
+    name: str
+    exposes: str
+    citation: str
+    equations: tuple[str, ...]
+    setup: tuple[tuple[str, str], ...]
+    shown: str
+
+
+@dataclass(frozen=True)
+class Record:
+    """A study's file: its attributes, cases, schemes by solver and series."""
+
+    name: str
+    attributes: Mapping[str, Any]
+    cases: tuple[Case, ...]
+    schemes: Mapping[str, str]
+    series: tuple[Series, ...]
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        return tuple(finding for series in self.series for finding in series.findings)

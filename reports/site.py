@@ -1,0 +1,98 @@
+"""Pages written as HTML: the one module that knows the template engine."""
+
+import dataclasses
+import importlib.util
+import re
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+import mpmverify
+from mpmverify.dataset.files import Results, write_atomic
+from mpmverify.errors import ResultsError
+
+from .manifest import Manifest, page
+from .overview import index_page
+from .pages import IndexPage, StudyPage
+from .reader import read
+from .study_page import study_page
+
+GENERATOR = f"mpmverify {mpmverify.__version__}"
+SIGNATURE = b'<meta name="generator" content="mpmverify '
+TEMPLATES = {IndexPage: "index.html", StudyPage: "study.html"}
+PLOTLY = "plotly.min.js"
+
+
+def write(results: Results, manifest: Manifest, stale: Sequence[str]) -> None:
+    """Write the pages of the stale studies, the index page and the assets.
+
+    Raises
+    ------
+    ResultsError
+        If a study is damaged, or something that is not ours stands in a page's place.
+    """
+    for name in (*stale, "index"):
+        _check_ours(page(results, name))
+    runs = {path.stem for path in (results.path / "runs").glob("*.nc")}
+    records = [read(results.study(name)) for name in sorted(manifest.studies)]
+    _write_assets(results.report / "assets")
+    for record in records:
+        if record.name in stale:
+            _write(page(results, record.name), render(study_page(record, runs, GENERATOR)))
+    _write(page(results, "index"), render(index_page(records, GENERATOR)))
+
+
+def render(content: IndexPage | StudyPage) -> str:
+    """HTML of a page."""
+    fields = {field.name: getattr(content, field.name) for field in dataclasses.fields(content)}
+    return environment().get_template(TEMPLATES[type(content)]).render(fields)
+
+
+@cache
+def environment() -> Environment:
+    """Template engine: every value is escaped, an unknown name is an error."""
+    engine = Environment(
+        loader=PackageLoader("mpmverify.reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    engine.filters["cited"] = cited
+    engine.filters["markup"] = Markup  # for MathML and figures, which are made safe where they are made
+    return engine
+
+
+def cited(text: str) -> Markup:
+    """Text with its digital object identifiers as links."""
+    return Markup(re.sub(r"doi:(10\.\d+/[^\s,;]*[^\s,;.)])", r'<a href="https://doi.org/\1">doi:\1</a>', str(escape(text))))
+
+
+def _check_ours(path: Path) -> None:
+    try:
+        foreign = path.exists() and SIGNATURE not in path.read_bytes()[:2000]
+    except OSError:
+        foreign = True
+    if foreign:
+        raise ResultsError(f"'{path}' is not a page of an mpmverify report: move it away or choose another folder with --out")
+
+
+def _write(path: Path, text: str) -> None:
+    write_atomic(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+
+
+def _write_assets(folder: Path) -> None:
+    assets = {path.name: path for path in (Path(__file__).parent / "assets").glob("*.*")}
+    spec = importlib.util.find_spec("plotly")
+    if spec is None or spec.origin is None:
+        raise ResultsError("the report needs plotly: install it with `pip install plotly`")
+    assets[PLOTLY] = Path(spec.origin).parent / "package_data" / PLOTLY
+    for name, source in sorted(assets.items()):
+        content = source.read_bytes()
+        target = folder / name
+        if not target.exists() or target.read_bytes() != content:
+            write_atomic(target, lambda temporary, content=content: temporary.write_bytes(content))  # type: ignore[misc]

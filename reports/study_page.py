@@ -1,0 +1,211 @@
+"""The page of a study."""
+
+import json
+import re
+from collections.abc import Mapping, Sequence, Set
+from typing import Any
+
+from mpmverify.gate import Finding, Verdict
+
+from . import charts
+from .balances import balances
+from .equations import mathml
+from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size
+from .orders import leading, measures, order_tables
+from .overview import (
+    case_anchors,
+    gate_marks,
+    judgement,
+    mark,
+    matrix,
+    origin,
+    shares,
+    solver_anchors,
+    verdict_anchors,
+)
+from .pages import CaseSection, StudyPage
+from .parts import Curve, Fact, Group, Link, Option, RunRow, Scheme
+from .record import Case, Measure, Record, Series
+from .styles import STROKES, Style, selection, styles
+from .thumbnails import thumbnail
+
+
+def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
+    """Make the page of a study; `runs` are the keys of the run files that can be linked to."""
+    anchors, places = case_anchors(record), verdict_anchors(record)
+    looks = styles(record.series)
+    outputs = charts.outputs_within_budget([entry.profile for entry in record.series if entry.profile])
+    sections = []
+    for case in record.cases:
+        chosen = [(entry, look) for entry, look in zip(record.series, looks, strict=True) if entry.case == case.name]
+        series, styled = [entry for entry, _ in chosen], [look for _, look in chosen]
+        sections.append(_section(case, anchors[case.name], places, series, styled, outputs, runs))
+    formal = {entry.solver: entry.formal for entry in record.series}
+    cases = [case.name for case in record.cases]
+    return StudyPage(
+        title=str(record.attributes["title"]),
+        generator=generator,
+        navigation=(Link("Overview", "index.html"), *(Link(name, f"#{anchors[name]}") for name in cases)),
+        summary=str(record.attributes["summary"]),
+        gates=gate_marks(record.findings),
+        shares=shares(record.findings),
+        columns=tuple(Link(name, f"#{anchors[name]}") for name in cases),
+        rows=matrix(
+            record.findings,
+            cases,
+            lambda finding: finding.case,
+            lambda case, solver: f"#{places[case, solver]}",
+            solver_anchors(record),
+        ),
+        schemes=tuple(Scheme(name, scheme, _orders(formal.get(name, {}))) for name, scheme in record.schemes.items()),
+        cases=tuple(sections),
+        origins=(origin(record),),
+    )
+
+
+def _orders(formal: Any) -> str:
+    return ", ".join(f"{quantity} {value:g}" for quantity, value in formal.items())
+
+
+def _section(
+    case: Case,
+    anchor: str,
+    places: Mapping[tuple[str, str], str],
+    series: Sequence[Series],
+    looks: Sequence[Style],
+    outputs: int,
+    runs: Set[str],
+) -> CaseSection:
+    findings = [finding for entry in series for finding in entry.findings]
+    shown = leading(series, case.shown)
+    sources = list(dict.fromkeys(finding.source for finding in findings))
+    units = {quantity: unit for entry in series if entry.profile for quantity, unit in entry.profile.units.items()}
+    first = case.shown if case.shown in units else next(iter(units), "")
+    known = measures(series)
+    return CaseSection(
+        anchor=anchor,
+        name=case.name,
+        gates=gate_marks(findings),
+        exposes=case.exposes,
+        citation=case.citation,
+        equations=tuple(mathml(latex) for latex in case.equations),
+        setup=tuple(_fact(name, value) for name, value in case.setup),
+        quantities=_options([q for q, _ in known], shown and shown[0], {}),
+        norms=_options([norm for _, norm in known], shown and shown[1], NORM_NAMES),
+        charted=_charted(series),
+        curves=_curves(series, looks, shown, first),
+        wave_quantities=_options(list(units), first, {}),
+        thumbnail_quantity=first,
+        tables=order_tables(series, shown),
+        groups=_groups(findings, places, sources),
+        sources=tuple(sources),
+        runs=tuple(row for entry in series for row in _runs(entry, runs)),
+        cost=_cost(series),
+        figures=_figures(series, looks, known, units, outputs),
+    )
+
+
+def _fact(name: str, value: str) -> Fact:
+    name = re.sub(r"^face (\w)([+-])$", lambda face: f"face {face[1]}{face[2].replace('-', MINUS)}", name)
+    return Fact(name, re.sub(r"(?<=\()value=(?=\w+\()", "", value))
+
+
+def _options(values: Sequence[str], selected: str | None, names: dict[str, str]) -> tuple[Option, ...]:
+    return tuple(Option(value, names.get(value, value), value == selected) for value in dict.fromkeys(values))
+
+
+def _charted(series: Sequence[Series]) -> bool:
+    levels = any(len(entry.levels) > 1 for entry in series)
+    return levels and any((estimate.error > 0).any() for entry in series for estimate in entry.estimates.values())
+
+
+def _curves(series: Sequence[Series], looks: Sequence[Style], shown: Measure | None, quantity: str) -> tuple[Curve, ...]:
+    chosen = selection(series, shown)
+    curves = []
+    for k, (entry, look) in enumerate(zip(series, looks, strict=True)):
+        estimate = entry.estimates.get(shown) if shown else None
+        verified = [finding for finding in entry.findings if finding.gate == "verification"] or entry.findings
+        curve = Curve(
+            index=k,
+            solver=entry.solver,
+            ladder=ladder(entry.refinement),
+            order=order(estimate.order) if estimate else "",
+            shown=k in chosen,
+            passed=all(finding.verdict is Verdict.PASS for finding in verified),
+            paint=look.paint,
+            stroke=STROKES[look.dash],
+            symbol=look.symbol,
+            thumbnail=thumbnail(entry.profile, quantity) if entry.profile else None,
+            mark=mark(verified),
+        )
+        curves.append(curve)
+    return tuple(curves)
+
+
+def _groups(findings: Sequence[Finding], places: Mapping[tuple[str, str], str], sources: Sequence[str]) -> tuple[Group, ...]:
+    """Findings by solver; folded where neither a gate failed nor the verification is in doubt."""
+    table: dict[str, list[Finding]] = {}
+    for finding in findings:
+        table.setdefault(finding.solver, []).append(finding)
+    groups = []
+    for solver, members in table.items():
+        doubtful = any(
+            f.verdict in (Verdict.FAIL, Verdict.ERROR) or (f.gate == "verification" and f.verdict is not Verdict.PASS)
+            for f in members
+        )
+        name = places[members[0].case, solver]
+        judged = tuple(judgement(f, f"#{name}", sources.index(f.source) + 1) for f in members)
+        groups.append(Group(name, mark(members), solver, gate_marks(members), doubtful, judged))
+    return tuple(groups)
+
+
+def _runs(entry: Series, runs: Set[str]) -> list[RunRow]:
+    return [
+        RunRow(
+            solver=entry.solver,
+            ladder=ladder(entry.refinement),
+            h=cell_size(level.h),
+            dt=size(level.dt),
+            courant=size(level.courant),
+            ppc=count(level.ppc),
+            steps=count(level.steps),
+            point_steps=count(level.point_steps),
+            seconds=number(level.seconds, 2),
+            outcome=level.outcome,
+            href=f"../runs/{level.run}.nc" if level.run in runs else "",
+        )
+        for level in entry.levels
+    ]
+
+
+def _cost(series: Sequence[Series]) -> str:
+    levels = [level for entry in series for level in entry.levels]
+    steps = sum(level.point_steps for level in levels)
+    return f"{len(levels)} runs, {number(float(steps))} point-steps, {number(sum(level.seconds for level in levels), 2)} s"
+
+
+def _figures(
+    series: Sequence[Series], looks: Sequence[Style], known: Sequence[Measure], units: dict[str, str], outputs: int
+) -> str:
+    table = []
+    for entry, look in zip(series, looks, strict=True):
+        time = entry.histories.get("time")
+        table.append(
+            {
+                "paint": look.paint,
+                "symbol": look.symbol,
+                "h": cell_size(entry.profile.h) if entry.profile else "",
+                "waves": charts.waves(entry.profile, outputs) if entry.profile else None,
+                "time": charts.floats(time) if time is not None else None,
+                "histories": [charts.history(part) for part in balances(entry)] if time is not None else [],
+            }
+        )
+    body = {
+        "convergence": charts.convergence(series, looks, known),
+        "waves": charts.wave_figures(units),
+        "history": charts.history_layout(),
+        "series": table,
+    }
+    text = json.dumps(body, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+    # Within a script element, these three could end it or open a comment.
+    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")

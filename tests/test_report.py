@@ -1,0 +1,405 @@
+"""The report: well-formed, complete, escaped, self-contained, deterministic, and rendered only when something changed."""
+
+import base64
+import dataclasses
+import json
+import math
+import subprocess
+import sys
+from collections import Counter
+from html.parser import HTMLParser
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from jinja2 import meta
+
+from mpmverify.baseline import Baseline
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.level import Level, Snapshots
+from mpmverify.dataset.study import build, write_study
+from mpmverify.dataset.verdicts import declare, findings, judged
+from mpmverify.errors import ResultsError
+from mpmverify.exact import ExactSolution, VerificationProblem
+from mpmverify.gate import Balance, Order
+from mpmverify.problem import Discretisation, Periodic, Problem, Transport
+from mpmverify.reports import charts, render
+from mpmverify.reports.equations import mathml
+from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs
+from mpmverify.reports.pages import IndexPage, StudyPage
+from mpmverify.reports.site import TEMPLATES, environment
+from mpmverify.study import Case, Refinement, Series, Study
+
+HOSTILE = "<script>alert('x')</script> \"quoted\" & 'single'"
+SIZES = (1 / 16, 1 / 32, 1 / 64, 1 / 128)
+
+
+@dataclasses.dataclass(frozen=True)
+class Scheme:
+    """Stands in for a solver: the report sees its name, its choices and its orders alone."""
+
+    name: str
+    text: str = HOSTILE
+
+    @property
+    def orders(self) -> dict[str, float]:
+        return {"u": 2.0}
+
+
+def study(name: str = "sample", solvers: tuple[str, ...] = ("good", "bad", "crashed")) -> Study:
+    faces = {"x-": Periodic(), "x+": Periodic()}
+    problem = Problem("hill", (0.0,), (1.0,), Transport(1.0), faces, end_time=1.0)
+    exact = ExactSolution({}, f"Someone (1999) {HOSTILE}, doi:10.1000/some.thing_1")
+    hill = VerificationProblem(
+        problem, exact, f"Phase errors. {HOSTILE}", (r"u_t + a u_x = 0", rf"\text{{{HOSTILE}}}", r"\frac{")
+    )
+    ladder = Refinement(f"nu_C=0.5 {HOSTILE}", tuple(Discretisation(h, 0.5) for h in SIZES), quick=4)
+    criteria = (Order("u", "L2", 1.8, 2.2, f"theory, {HOSTILE}"), Balance("mass", "inflow", "conservation form"))
+    series = tuple(Series(Scheme(solver), ladder, criteria) for solver in solvers)
+    return Study(name, f"Sample {HOSTILE}", f"A summary. {HOSTILE}", (Case("hill & dale", hill, series, "u"),))
+
+
+def level(case: str, solver: str, label: str, h: float) -> Level:
+    identity = (case, solver, label, h, 0.5, 1, f"{solver}-{round(1 / h)}")
+    if solver == "crashed":
+        return Level(*identity, outcome=f"crashed; {HOSTILE}")
+    error = {"good": h**2, "bad": math.nan if h < 1 / 100 else h}[solver]
+    norms = np.full(4, error), np.ones(4)
+    return Level(*identity, dt=h / 2, steps=9, point_steps=99, seconds=0.1, errors={"u": norms}, metrics={"mass_defect": 1e-16})
+
+
+def shot(case: str, solver: str, label: str) -> Snapshots:
+    time, points = np.linspace(0, 1, 40), np.linspace(0, 1, 300)
+    exact = np.sin(2 * np.pi * (points - time[:, None]))
+    fields = exact + (1e-9 if solver == "good" else np.where(time[:, None] > 0.5, np.nan, 0.1))
+    histories = {"time": time, "mass": 1 + 1e-16 * time, "momentum": time, "impulse": time}
+    histories |= {"kinetic_energy": 1 - time, "strain_energy": time, "external_work": 0 * time}
+    place = np.broadcast_to(points[:, None], (40, 300, 1))
+    return Snapshots(
+        case, label, 1 / 64, time, points[:, None], place, {"u": fields[..., None]}, {"u": exact[..., None]}, histories
+    )
+
+
+def store(results: Results, declared: Study) -> list:
+    """Write a study as a run would, and return its findings."""
+    table, shots = [], {}
+    for case, series in declared.series():
+        where = case.name, series.solver.name, series.refinement.label
+        table += [level(*where, h) for h in SIZES]
+        if series.solver.name != "crashed":
+            shots[where] = shot(*where)
+    tree = judged(declare(build(declared, "quick", "inputs", table, shots), declared), Baseline(Path("none")))
+    results.create()
+    write_study(results.study(declared.name), tree)
+    return findings(tree)
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, list]:
+    results = Results(tmp_path_factory.mktemp("results"))
+    table = store(results, study()) + store(results, study("second", ("good",)))
+    results.run("good-64").write_bytes(b"")
+    render(results)
+    return results, table
+
+
+@pytest.fixture
+def fresh(tmp_path: Path) -> Results:
+    results = Results(tmp_path)
+    store(results, study(solvers=("good",)))
+    return results
+
+
+class Page(HTMLParser):
+    """Checks that tags balance, and collects identifiers, links, resources, text and scripts."""
+
+    VOID = frozenset(("meta", "link", "input", "br", "hr", "img"))
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(convert_charrefs=True)
+        self.path, self.open = path, []
+        self.ids: list[str] = []
+        self.links: list[str] = []
+        self.resources: list[str] = []
+        self.labelled: list[str] = []
+        self.text: list[str] = []
+        self.cells: list[str] = []
+        self.data: list[str] = []
+        self.scripts = 0
+        self.feed(path.read_text(encoding="utf-8"))
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag: str, attrs: list) -> None:
+        names = [name for name, _ in attrs]
+        assert len(names) == len(set(names)), f"<{tag}> repeats an attribute"
+        assert not any(name.startswith("on") for name in names)
+        table = dict(attrs)
+        if "id" in table:
+            self.ids.append(table["id"])
+        if tag in ("a", "use"):
+            self.links.append(table["href"])
+        elif tag in ("link", "script", "img"):
+            self.resources += [table[name] for name in ("href", "src") if name in table]
+        self.labelled += [table[name] for name in ("aria-labelledby",) if name in table]
+        if tag == "script":
+            self.scripts += 1
+        if tag in ("td", "th"):
+            self.cells.append("")
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in self.VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open[-1] == tag, f"</{tag}> closes <{self.open[-1]}> at {self.getpos()}"
+        self.open.pop()
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] == "script":
+            self.data.append(data)
+            return
+        self.text.append(data)
+        if "td" in self.open or "th" in self.open:
+            self.cells[-1] += data
+
+
+def pages(results: Results) -> dict[str, Page]:
+    return {path.name: Page(path) for path in results.report.glob("*.html")}
+
+
+def strict(text: str) -> dict:
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def test_pages_are_well_formed_with_unique_identifiers(stored: tuple[Results, list]) -> None:
+    for name, page in pages(stored[0]).items():
+        repeated = [identifier for identifier, count in Counter(page.ids).items() if count > 1]
+        assert not repeated, name
+        assert set(page.labelled) <= set(page.ids), name
+
+
+def test_every_link_leads_somewhere_and_nothing_is_loaded_from_elsewhere(stored: tuple[Results, list]) -> None:
+    results, _ = stored
+    known = pages(results)
+    assert known.keys() == {"index.html", "sample.html", "second.html"}
+    for name, page in known.items():
+        for link in page.links:
+            if link.startswith("https://doi.org/"):
+                continue
+            target, _, anchor = link.partition("#")
+            path = (results.report / target) if target else results.report / name
+            assert path.exists(), f"{name} links to {link}"
+            assert not anchor or anchor in known[path.name].ids, f"{name} links to {link}"
+        assert page.resources
+        for resource in page.resources:
+            assert resource == "data:," or (results.report / resource).exists(), f"{name} loads {resource}"
+    assert (results.report / "assets" / "plotly.min.js").stat().st_size > 1_000_000
+
+
+def test_the_only_runs_that_are_linked_are_those_at_hand(stored: tuple[Results, list]) -> None:
+    links = pages(stored[0])["sample.html"].links
+    assert [link for link in links if "/runs/" in link] == ["../runs/good-64.nc"]
+
+
+def test_every_verdict_is_shown_with_its_reason_and_source(stored: tuple[Results, list]) -> None:
+    results, table = stored
+    known = pages(results)
+    text = {name: " ".join(page.text) for name, page in known.items()}
+    kinds = {finding.verdict.value for finding in table}
+    assert kinds >= {"PASS", "ERROR", "INCONCLUSIVE"}
+    for finding in table:
+        shown = text[f"{finding.study}.html"]
+        for part in (
+            finding.verdict.value,
+            finding.criterion,
+            finding.reason,
+            finding.source.partition("doi:")[0],
+            finding.solver,
+        ):
+            assert part in shown
+        if finding.verdict.value != "PASS":
+            assert finding.reason in text["index.html"]
+    assert any(HOSTILE in finding.reason for finding in table)
+
+
+def test_nothing_from_a_file_becomes_markup(stored: tuple[Results, list]) -> None:
+    for path in stored[0].report.glob("*.html"):
+        assert "<script>" not in path.read_text(encoding="utf-8"), path.name
+    known = pages(stored[0])
+    assert known["index.html"].scripts == 1
+    assert known["sample.html"].scripts == 2
+
+
+def test_figures_are_strict_json_in_bounded_space(stored: tuple[Results, list]) -> None:
+    (text,) = pages(stored[0])["sample.html"].data
+    figures = strict(text)
+    assert figures["convergence"]["titles"]
+    measured = {trace["meta"]["series"] for trace in figures["convergence"]["data"] if "series" in trace["meta"]}
+    assert measured == {0, 1}, "the crashed series has nothing to draw"
+    assert figures["series"][2]["waves"] is None
+    waves = figures["series"][1]["waves"]
+    assert len(waves["x"]) <= charts.POINTS
+    assert len(waves["t"]) <= charts.OUTPUTS
+    values = len(base64.b64decode(waves["fields"]["u"]["value"]["data"])) // 2
+    assert values == len(waves["x"]) * len(waves["t"])
+
+
+def test_dropped_and_unfitted_levels_are_hollow(stored: tuple[Results, list]) -> None:
+    figures = strict(pages(stored[0])["sample.html"].data[0])
+    symbols = {
+        trace["meta"]["series"]: set(trace["marker"]["symbol"])
+        for trace in figures["convergence"]["data"]
+        if trace["meta"]["measure"] == "u|L2" and "series" in trace["meta"]
+    }
+    assert not any(symbol.endswith("-open") for symbol in symbols[0])
+    assert all(symbol.endswith("-open") for symbol in symbols[1])
+
+
+def test_what_is_not_finite_is_shown_as_a_dash(stored: tuple[Results, list]) -> None:
+    cells = [cell for page in pages(stored[0]).values() for cell in page.cells]
+    assert not [cell for cell in cells if cell.strip().lower().strip("−-[]") in ("nan", "inf", "none")]
+    assert DASH in cells
+
+
+def test_a_page_shows_the_fields_of_its_value_and_nothing_else() -> None:
+    engine = environment()
+    for kind, template in TEMPLATES.items():
+        names: set[str] = set()
+        for part in (template, "base.html"):
+            assert engine.loader is not None
+            names |= meta.find_undeclared_variables(engine.parse(engine.loader.get_source(engine, part)[0]))
+        assert names == {field.name for field in dataclasses.fields(kind)}, template
+    assert set(TEMPLATES) == {IndexPage, StudyPage}
+
+
+def stamps(results: Results) -> dict[str, int]:
+    return {str(path): path.stat().st_mtime_ns for path in results.report.rglob("*") if path.is_file()}
+
+
+def test_an_unchanged_report_is_not_touched_and_a_missing_page_comes_back(fresh: Results) -> None:
+    index = render(fresh)
+    assert index == fresh.report / "index.html"
+    before = stamps(fresh)
+    render(fresh)
+    assert stamps(fresh) == before
+    (fresh.report / "sample.html").unlink()
+    render(fresh)
+    assert (fresh.report / "sample.html").exists()
+    render(fresh, fresh=True)
+    after = stamps(fresh)
+    for name in ("index.html", "sample.html"):
+        assert after[str(fresh.report / name)] > before[str(fresh.report / name)]
+    assert after[str(fresh.report / "assets" / "plotly.min.js")] == before[str(fresh.report / "assets" / "plotly.min.js")]
+
+
+def test_only_the_changed_study_is_rendered_and_a_removed_one_goes(fresh: Results) -> None:
+    store(fresh, study("second", ("good",)))
+    render(fresh)
+    before = stamps(fresh)
+    store(fresh, study("second", ("good", "bad")))
+    render(fresh)
+    after = stamps(fresh)
+    changed = {Path(name).name for name in after if after[name] != before[name]}
+    assert changed == {"second.html", "index.html", "manifest.json"}
+    fresh.study("second").unlink()
+    render(fresh)
+    assert not (fresh.report / "second.html").exists()
+    assert "second" not in (fresh.report / "index.html").read_text(encoding="utf-8")
+
+
+def test_two_renderings_are_the_same_to_the_byte(fresh: Results) -> None:
+    def contents() -> dict[str, bytes]:
+        return {path.name: path.read_bytes() for path in fresh.report.rglob("*") if path.is_file()}
+
+    render(fresh, fresh=True)
+    first = contents()
+    render(fresh, fresh=True)
+    assert contents() == first
+
+
+def test_nothing_heavy_is_imported_when_nothing_changed(fresh: Results) -> None:
+    render(fresh)
+    program = (
+        "import sys; from pathlib import Path; from mpmverify.dataset.files import Results; from mpmverify.reports import render; "
+        "render(Results(Path(sys.argv[1]))); "
+        "assert not {'xarray', 'jinja2', 'scipy', 'plotly', 'latex2mathml'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", program, fresh.path], check=True)
+
+
+@pytest.mark.parametrize("kind", ["text", "netcdf"])
+def test_a_foreign_file_is_named_and_nothing_is_written(fresh: Results, kind: str) -> None:
+    path = fresh.study("alien")
+    if kind == "text":
+        path.write_text("not netCDF")
+    else:
+        netCDF4.Dataset(path, "w").close()
+    with pytest.raises(ResultsError, match="alien"):
+        render(fresh)
+    assert not fresh.report.exists()
+
+
+def test_a_page_that_is_not_ours_is_not_overwritten(fresh: Results) -> None:
+    page = fresh.report / "sample.html"
+    page.parent.mkdir()
+    page.write_text("my notes")
+    with pytest.raises(ResultsError, match=r"sample\.html"):
+        render(fresh)
+    assert page.read_text() == "my notes"
+
+
+def test_a_damaged_manifest_is_no_obstacle(fresh: Results) -> None:
+    render(fresh)
+    manifest = fresh.report / "manifest.json"
+    manifest.write_text('{"code": []')
+    render(fresh)
+    assert json.loads(manifest.read_text())["studies"].keys() == {"sample"}
+
+
+@given(st.floats(min_value=1e-30, max_value=1e30), st.booleans())
+def test_numbers_read_back_to_three_digits(size: float, negative: bool) -> None:
+    value = -size if negative else size
+    text = number(value)
+    assert "-" not in text
+    back = text.replace("−", "-").translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")).replace("×10", "e")
+    assert float(back) == pytest.approx(value, rel=0.006)
+
+
+def test_notation() -> None:
+    assert number(0.0) == "0"
+    assert number(math.nan) == number(math.inf) == interval(1.0, math.inf) == DASH
+    assert number(-1.234e-5) == "−1.23×10⁻⁵"
+    assert number(0.012345) == "0.0123"
+    assert [cell_size(h) for h in (1 / 64, 0.09765625, 1.0, 2.5)] == ["1/64", "0.09766", "1", "2.5"]
+    assert interval(-0.5, 1.0) == "[−0.50, 1.00]"
+    assert slugs(["a b", "a-b", "?"]) == {"a b": "a-b", "a-b": "a-b-2", "?": "x"}
+
+
+@given(st.lists(st.one_of(st.floats(-1e6, 1e6), st.just(math.nan), st.just(math.inf)), min_size=1))
+def test_packed_values_unpack_to_within_half_a_step(values: list[float]) -> None:
+    field = charts.packed(np.array(values))
+    steps = np.frombuffer(base64.b64decode(field["data"]), dtype="<i2").astype(float)
+    back = np.where(steps == -32768, np.nan, field["low"] + (steps + 32767) * field["scale"])
+    expected = np.where(np.isfinite(values), values, np.nan)
+    np.testing.assert_allclose(back, expected, rtol=1e-12, atol=0.51 * field["scale"])
+
+
+@pytest.mark.parametrize("latex", [r"\frac{", r"\text{<script>1</script>}", r"\text{<a href='x'>y</a>}", ""])
+def test_what_is_no_formula_is_shown_as_code(latex: str) -> None:
+    assert mathml(latex).startswith("<code>")
+    assert "<script>" not in mathml(latex)
+
+
+def test_formulae_become_mathml() -> None:
+    assert mathml(r"\frac{a}{b}").startswith("<math")
