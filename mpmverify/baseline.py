@@ -4,6 +4,7 @@ A loss by a constant factor leaves every order unchanged; this gate sees it.
 """
 
 import json
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -56,18 +57,18 @@ class Baseline:
         accepted = self.entries.get(study, {}).get(solver, {}).get(f"{case} | {refinement}", {})
         worse, better, missing, compared = [], [], [], 0
         for k, (level, values) in enumerate(levels(evidence)):
-            known = accepted.get(level)
-            if known is None:
-                missing.append(level)
-                continue
-            missing.extend(f"{name} at {level}" for name in values.keys() ^ known.keys())
-            for name in values.keys() & known.keys():
-                now, then = values[name], known[name]
-                if not np.isfinite(now):
-                    return Verdict.ERROR, f"{name} at {level} is not finite"
+            known = accepted.get(level, {})
+            missing.extend(f"{name} at {level}" for name in sorted(values.keys() ^ known.keys()))
+            for name, now in values.items():
+                quantity, _, norm = name.rpartition(" ")
+                size = evidence.reference[quantity][k, NORMS.index(norm)]
+                then = known.get(name, 0.0)
+                if not np.all(np.isfinite([now, then, size])):
+                    return Verdict.ERROR, f"{name} at {level}, its baseline or its exact norm is not finite"
+                if name not in known:
+                    continue
                 compared += 1
-                quantity, _, norm = name.partition(" ")
-                noise = NOISE * (evidence.reference[quantity][k, NORMS.index(norm)] or 1.0)
+                noise = NOISE * (size or 1.0)
                 if now > then * (1 + RELATIVE) + noise:
                     worse.append((now / max(then, noise), f"{name} at {level} rose from {then:.3e} to {now:.3e}"))
                 elif now < then * (1 - RELATIVE) - noise:
@@ -81,6 +82,8 @@ class Baseline:
             )
         if missing:
             return Verdict.INCONCLUSIVE, f"not in the baseline: {missing[0]} ({len(missing)} in all): accept the baseline"
+        if not compared:
+            return Verdict.INCONCLUSIVE, "no error was measured that a baseline could hold"
         return Verdict.PASS, f"{compared} errors within {RELATIVE:.0%} of the baseline"
 
     def updated(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> None:
@@ -121,8 +124,17 @@ def read_baseline(path: Path) -> Baseline:
     """
     try:
         body = json.loads(path.read_text(encoding="utf-8"))
-        return Baseline(path, body["errors"], body["accepted"])
+        if not (_holds_errors(body["errors"]) and all({"date", "reason"} <= entry.keys() for entry in body["accepted"])):
+            raise ValueError("an error is no finite number, or an entry stands where none belongs")
+        return Baseline(path, body["errors"], list(body["accepted"]))
     except FileNotFoundError:
         return Baseline(path)
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
         raise ResultsError(f"'{path}' is not an mpmverify baseline: restore it, or choose another with --baseline") from error
+
+
+def _holds_errors(table: Any, depth: int = 5) -> bool:
+    """Whether nested mappings end, after study, solver, series, level and norm, in finite errors that are not negative."""
+    if depth == 0:
+        return isinstance(table, int | float) and math.isfinite(table) and table >= 0
+    return isinstance(table, dict) and all(_holds_errors(value, depth - 1) for value in table.values())

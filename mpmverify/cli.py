@@ -4,7 +4,8 @@ import math
 import os
 import sys
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -20,17 +21,38 @@ if TYPE_CHECKING:
 EPILOG = "Exit status: 0 pass, 1 a gate failed, 2 usage, 3 a run erred, 4 inconclusive under --strict."
 
 
+INTERRUPTED = 130
+"""Exit status after SIGINT, as shells have it: 1 would say that a gate failed."""
+
+
 class _Abort(click.ClickException):
     exit_code = 2
 
 
 class _Group(click.Group):
+    def make_context(self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any) -> Any:
+        with _one_sentence():
+            return super().make_context(info_name, args, parent, **extra)
+
     def invoke(self, ctx: click.Context) -> Any:
-        """Turn the library's errors into one sentence and exit status 2."""
-        try:
+        with _one_sentence():
             return super().invoke(ctx)
-        except MpmverifyError as error:
-            raise _Abort(str(error)) from error
+
+
+@contextmanager
+def _one_sentence() -> Iterator[None]:
+    """Turn the library's errors and click's into one sentence and exit status 2; an interrupt is no verdict either."""
+    try:
+        yield
+    except click.exceptions.NoArgsIsHelpError:
+        raise
+    except click.UsageError as error:
+        raise _Abort(error.format_message()) from error
+    except MpmverifyError as error:
+        raise _Abort(str(error)) from error
+    except KeyboardInterrupt:
+        click.echo("Interrupted: finished runs are kept, run again to go on.", err=True)
+        sys.exit(INTERRUPTED)
 
 
 def positive(_ctx: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
@@ -236,7 +258,7 @@ def _stored(out: Path, names: Sequence[str]) -> list[Path]:
     from mpmverify.dataset.files import Results
 
     results = Results(out)
-    paths = [results.study(name) for name in names] if names else results.studies()
+    paths = [results.study(name) for name in dict.fromkeys(names)] if names else results.studies()
     for path in paths:
         if not path.exists():
             raise UsageError(f"no results of {path.stem!r} in '{out}': run `mpmverify run {path.stem} --out {out}` first")

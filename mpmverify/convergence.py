@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from scipy import optimize, stats
+from scipy.special import stdtrit
 
 from mpmverify.errors import UsageError
 from mpmverify.problem import Array
@@ -20,6 +20,10 @@ ROUND_OFF = 1e-12
 CONFIDENCE = 0.95
 FLAT = 0.25
 """A series whose fitted order is smaller in magnitude does not converge (stagnant) nor diverge."""
+SHARP = 0.05
+"""No level is left out to sharpen an interval of the order that is narrower."""
+STEP_SLACK = 0.1
+"""Relative change of an error that one step of refinement may owe to noise: four standard deviations where errors scatter by 2 %."""
 
 
 class Classification(StrEnum):
@@ -85,6 +89,8 @@ class Convergence:
     floor : FloorFit or None
         Set when the series is at an error floor above round-off.
     classification : Classification
+    round_off : float
+        Levels at or below it were dropped.
     """
 
     h: Array
@@ -95,6 +101,50 @@ class Convergence:
     fit: Fit | None
     floor: FloorFit | None
     classification: Classification
+    round_off: float = ROUND_OFF
+
+    def finest_step(self, low: float, high: float, change: float = 0.0) -> float:
+        """How far the finest step of refinement strays from a band of orders; at least two levels must be kept.
+
+        Parameters
+        ----------
+        low, high : float
+            Band of orders.
+        change : float
+            Added to the observed order of the step; see `trend`.
+
+        Returns
+        -------
+        float
+            Zero inside; below zero, log of how much too little the step reduces the error; above zero, how much too much.
+
+        Notes
+        -----
+        The interval of a fit is that of its mean slope. A long straight start hides in it that the finest level has come to a
+        floor, turns up, or is too good to be true; the last step does not.
+        """
+        coarse, fine = np.flatnonzero(self.kept)[-2:]
+        width = math.log(self.h[coarse] / self.h[fine])
+        reduction = math.log(self.error[coarse] / self.error[fine]) + change * width
+        return min(0.0, reduction - low * width) + max(0.0, reduction - high * width)
+
+    def plunges(self, high: float) -> bool:
+        """Whether a step takes the error to round-off that an order of `high` would leave above it."""
+        return any(
+            math.log(self.error[k] / self.round_off) > high * math.log(self.h[k] / self.h[k + 1]) + STEP_SLACK
+            for k in np.flatnonzero(self.kept[:-1])
+            if self.error[k + 1] <= self.round_off
+        )
+
+    def trend(self) -> tuple[float, bool]:
+        """Last change of the observed order when the last three rise or fall throughout, else zero; and whether it lasts.
+
+        A change lasts that is at least two thirds of the one before it: the order is not settling.
+        """
+        changes = np.diff(pairwise_orders(self.h[self.kept], self.error[self.kept])[-3:])
+        if len(changes) < 2 or changes[0] * changes[1] <= 0:
+            return 0.0, False
+        return float(changes[1]), bool(3 * abs(changes[1]) >= 2 * abs(changes[0]))
 
 
 def pairwise_orders(h: Array, error: Array) -> Array:
@@ -112,12 +162,13 @@ def fit_order(h: Array, error: Array, confidence: float = CONFIDENCE) -> Fit:
     sxx = float(dx @ dx)
     order = float(dx @ y) / sxx
     intercept = float(y.mean() - order * x.mean())
+    constant = math.exp(intercept) if intercept < 700 else math.inf
     half_width = math.inf
     if len(h) > 2:
         residual = y - (intercept + order * x)
         standard_error = math.sqrt(float(residual @ residual) / (len(h) - 2) / sxx)
-        half_width = float(stats.t.ppf(0.5 + confidence / 2, len(h) - 2)) * standard_error
-    return Fit(order, order - half_width, order + half_width, math.exp(intercept))
+        half_width = float(stdtrit(len(h) - 2, 0.5 + confidence / 2)) * standard_error
+    return Fit(order, order - half_width, order + half_width, constant)
 
 
 def fit_floor(h: Array, error: Array) -> FloorFit:
@@ -127,15 +178,19 @@ def fit_floor(h: Array, error: Array) -> FloorFit:
     -----
     The relative residual is linear in (E0, A) at fixed p; p is then found by a bounded scalar search.
     """
+    from scipy import optimize  # half a second that only a floor needs
+
+    size, unit = error.max(), h.max()
+    scaled, values = h / unit, error / size
 
     def at(order: float) -> tuple[Array, float]:
-        columns = np.column_stack([np.ones_like(h), h**order]) / error[:, None]
+        columns = np.column_stack([np.ones_like(h), scaled**order]) / values[:, None]
         return optimize.nnls(columns, np.ones_like(h))
 
     best = optimize.minimize_scalar(lambda order: at(order)[1], bounds=(0.1, 8.0), method="bounded", options={"xatol": 1e-4})
     (floor, constant), _ = at(best.x)
-    model = floor + constant * h**best.x
-    return FloorFit(float(floor), float(constant), float(best.x), float(np.sqrt(np.mean(np.log(error / model) ** 2))))
+    residual = float(np.sqrt(np.mean(np.log(values / (floor + constant * scaled**best.x)) ** 2)))
+    return FloorFit(float(floor * size), float(constant * size / np.power(unit, best.x)), float(best.x), residual)
 
 
 def analyse(
@@ -173,7 +228,7 @@ def analyse(
         )
     if not np.all(np.isfinite(h) & (h > 0)) or len(np.unique(h)) < len(h):
         raise UsageError("every h must be positive, finite and given once")
-    if np.any(error < 0):
+    if np.any(np.isfinite(error) & (error < 0)):
         raise UsageError("an error norm cannot be negative")
     descending = np.argsort(-h)
     h, error = h[descending], error[descending]
@@ -182,11 +237,12 @@ def analyse(
     def result(
         kind: Classification, kept: np.ndarray, dropped: list[str], fit: Fit | None = None, floor: FloorFit | None = None
     ) -> Convergence:
-        return Convergence(h, error, pairwise, kept, tuple(dropped), fit, floor, kind)
+        return Convergence(h, error, pairwise, kept, tuple(dropped), fit, floor, kind, round_off)
 
     everything = np.ones(len(h), dtype=bool)
     if not np.all(np.isfinite(error)):
-        return result(Classification.NON_FINITE, ~everything, [])
+        bad = [f"h={size:g}: not finite ({value})" for size, value in zip(h, error, strict=True) if not np.isfinite(value)]
+        return result(Classification.NON_FINITE, ~everything, [*bad, "every level: a series that is not finite has no order"])
     kept = error > round_off
     dropped = [f"h={size:g}: at round-off ({value:.1e})" for size, value in zip(h[~kept], error[~kept], strict=True)]
     if kept.sum() < 3:
@@ -195,8 +251,8 @@ def analyse(
 
     floor = significant_floor(h[kept], error[kept])
     fit = fit_order(h[kept], error[kept], confidence)
-    # A coarse level goes when four finer ones are left and the interval at least halves without it.
-    while kept.sum() > 4 and floor is None:
+    # A coarse level goes when four finer ones are left and the interval, not sharp yet, at least halves without it.
+    while kept.sum() > 4 and floor is None and fit.high - fit.low > SHARP:
         finer = kept.copy()
         finer[np.flatnonzero(kept)[0]] = False
         without = fit_order(h[finer], error[finer], confidence)
@@ -207,7 +263,9 @@ def analyse(
         )
         kept, fit = finer, without
 
-    if fit.high < 0 or fit.order < -FLAT:
+    last = pairwise_orders(h[kept], error[kept])[-1]
+    grows = last < -FLAT and error[kept][-1] > (1 + STEP_SLACK) * error[kept][-2]
+    if fit.high < 0 or fit.order < -FLAT or grows:
         kind = Classification.DIVERGENT
     elif floor is not None:
         kind = Classification.OTHER_FLOOR
@@ -235,7 +293,7 @@ def significant_floor(h: Array, error: Array) -> FloorFit | None:
     orders = pairwise_orders(h, error)
     if not (orders.max() > 0.5 and orders[-1] < 0.5 * orders.max()):
         return None
-    line = fit_order(h, error)
-    spread = float(np.sqrt(np.mean(np.log(error / (line.constant * h**line.order)) ** 2)))
+    line = fit_order(h / h[0], error)
+    spread = float(np.sqrt(np.mean(np.log(error / (line.constant * (h / h[0]) ** line.order)) ** 2)))
     floor = fit_floor(h, error)
     return floor if floor.floor > 0.5 * error.min() and floor.residual < spread / 3 else None

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from types import TracebackType
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
 from rich.table import Table
@@ -50,15 +51,15 @@ def show(findings: Sequence[Finding], *, explain: bool = False) -> None:
     if not console.is_terminal:
         console = Console(width=140)
     studies = list(dict.fromkeys(finding.study for finding in findings))
-    table = Table("solver", *studies)
+    table = Table("solver", *(escape(study) for study in studies))
     for solver, row in matrix(findings).items():
-        table.add_row(solver, *(f"[{STYLES[row[s]]}]{row[s]}[/]" if s in row else "[dim]-[/]" for s in studies))
+        table.add_row(escape(solver), *(f"[{STYLES[row[s]]}]{row[s]}[/]" if s in row else "[dim]-[/]" for s in studies))
     console.print(table)
     listed = list(findings) if explain else ranked(findings)[:LISTED]
     for finding in listed:
         console.print(
             f"[{STYLES[finding.verdict]}]{finding.verdict}[/]",
-            str(finding).removeprefix(finding.verdict).strip(),
+            escape(str(finding).removeprefix(finding.verdict).strip()),
             highlight=False,
         )
         if explain:

@@ -1,6 +1,7 @@
 """One run from its declaration to its row in the study: solved or read back, compared with the exact solution."""
 
 import dataclasses
+import textwrap
 import traceback
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +12,8 @@ import numpy as np
 from mpmverify.dataset.content import digest
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.level import Level, Snapshots
-from mpmverify.dataset.runs import read_run, write_run
-from mpmverify.errors import UsageError
+from mpmverify.dataset.runs import HISTORY_UNITS, read_run, write_run
+from mpmverify.errors import MpmverifyError
 from mpmverify.exact import VerificationProblem
 from mpmverify.gate import Criterion
 from mpmverify.norms import errors
@@ -81,7 +82,7 @@ def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discre
 
 def failed(task: Task, status: Status, detail: str) -> Evaluated:
     """Row of a run that left no solution: it crashed or timed out. Nothing is stored, so that it is tried again."""
-    return Evaluated(_level(task, Outcome(status, detail)), solved=True)
+    return Evaluated(_level(task, Outcome(status, _plain(detail))), solved=True)
 
 
 def evaluate(task: Task) -> Evaluated:
@@ -96,18 +97,49 @@ def evaluate(task: Task) -> Evaluated:
     """
     path = Results(task.results).run(task.key)
     solved = not (task.reuse and path.exists())
-    if solved:
-        try:
+    try:
+        if solved:
             solution = task.solver.solve(task.problem.problem, task.discretisation)
-        except UsageError:
-            raise
-        except Exception as error:  # a solver under test may raise anything, and its neighbours must still finish
-            where = traceback.extract_tb(error.__traceback__)[-1]
-            return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})")
-        write_run(path, task.key, solution, str(task))
-    else:
-        solution = read_run(path, task.key)
-    return Evaluated(_compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
+            if wrong := _contradiction(task, solution):
+                return failed(task, Status.CRASHED, wrong)
+            solution = dataclasses.replace(solution, outcome=_confirmed(solution))
+            write_run(path, task.key, solution, str(task))
+        else:
+            solution = read_run(path, task.key)
+        return Evaluated(_compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
+    except MpmverifyError:
+        raise
+    except (Exception, SystemExit) as error:  # a solver under test may raise anything, and its neighbours must still finish
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})")
+
+
+def _contradiction(task: Task, solution: Any) -> str:
+    """Say why what a solver returned cannot be judged; "" when it can."""
+    if not isinstance(solution, Solution):
+        return f"it returned {type(solution).__name__} instead of a Solution"
+    if wrong := solution.inconsistency():
+        return f"it returned an inconsistent solution: {wrong}"
+    if unknown := sorted(solution.histories.keys() - HISTORY_UNITS.keys()):
+        return f"it returned the unknown history {unknown[0]!r}: known are {', '.join(HISTORY_UNITS)}"
+    end, last = task.problem.problem.end_time, solution.time[-1]
+    if solution.outcome.completed and abs(last - end) > 1e-9 * end:
+        return f"it reports completion, but its last output is at {last:g} s and the final time is {end:g} s"
+    return ""
+
+
+def _confirmed(solution: Solution) -> Outcome:
+    """Outcome of a solution, which is non-finite when the solver has not noticed that it is."""
+    outcome = solution.outcome
+    bad = [name for name, values in solution.arrays().items() if not np.all(np.isfinite(values))]
+    if outcome.completed and bad:
+        return Outcome(Status.NON_FINITE, f"the solver reports completion, but {bad[0]} is not finite")
+    return Outcome(outcome.status, _plain(outcome.detail))
+
+
+def _plain(text: str) -> str:
+    """One line that every file format takes."""
+    return textwrap.shorten(text.replace("\0", ""), 500).encode("utf-8", "replace").decode()
 
 
 def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:

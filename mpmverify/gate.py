@@ -1,6 +1,5 @@
 """Verdicts: what must hold of a series of runs, judged from stored numbers alone."""
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -8,7 +7,7 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from mpmverify.convergence import Classification, Convergence, analyse
+from mpmverify.convergence import ROUND_OFF, STEP_SLACK, Classification, Convergence, analyse
 from mpmverify.exact.amplification import two_step_taylor_galerkin
 from mpmverify.norms import NORMS
 from mpmverify.problem import Array, Problem, Transport
@@ -56,10 +55,10 @@ class Evidence:
     metrics: Mapping[str, Array] = field(default_factory=dict)
 
     def relative(self, quantity: str, norm: str) -> Array:
-        """Error over the exact norm (n,); absolute where the exact field vanishes."""
+        """Error over the exact norm (n,); absolute where the exact field vanishes, NaN where its norm is not finite."""
         k = NORMS.index(norm)
-        size = self.reference[quantity][:, k]
-        return self.error[quantity][:, k] / np.where(size > 0, size, 1.0)
+        size = np.where(np.isfinite(self.reference[quantity][:, k]), self.reference[quantity][:, k], np.nan)
+        return self.error[quantity][:, k] / np.where(size == 0, 1.0, size)
 
     def convergence(self, quantity: str, norm: str, expected: tuple[float, float] | None = None) -> Convergence:
         """Analyse one relative error over the levels in h."""
@@ -92,9 +91,13 @@ class _OfErrors:
         return {}
 
 
+PLAUSIBLE = 12.0
+"""No scheme has a higher order in h or dt: a coarse level blew up, or a fine one is exact by accident."""
+
+
 @dataclass(frozen=True)
 class Order(_OfErrors):
-    """The fitted order lies in [low, high].
+    """The fitted order lies in [low, high], and so does the finest step of refinement.
 
     Parameters
     ----------
@@ -115,25 +118,7 @@ class Order(_OfErrors):
         return f"order of {self.quantity} in {self.norm} in [{self.low:g}, {self.high:g}]"
 
     def judge(self, evidence: Evidence) -> Judgement:
-        series = evidence.convergence(self.quantity, self.norm, (self.low, self.high))
-        kind, fit = series.classification, series.fit
-        if kind is Classification.NON_FINITE:
-            return Verdict.ERROR, "the error is not finite on at least one level"
-        if series.kept.sum() < 3 or fit is None:
-            return (
-                Verdict.INCONCLUSIVE,
-                f"{series.kept.sum()} of {len(series.h)} levels can be used ({kind}); an order needs three",
-            )
-        measured = f"order {fit.order:.3f}, interval [{fit.low:.3f}, {fit.high:.3f}] from {series.kept.sum()} levels ({kind})"
-        if series.floor is not None:
-            return Verdict.FAIL, f"the error stops at a floor of {series.floor.floor:.2e} of the solution: {measured}"
-        if kind in (Classification.STAGNANT, Classification.DIVERGENT) and self.low > 0.5:
-            return Verdict.FAIL, f"the error does not converge: {measured}"
-        if fit.high < self.low or fit.low > self.high:
-            return Verdict.FAIL, f"{measured} lies outside [{self.low:g}, {self.high:g}]"
-        if fit.low < self.low or fit.high > self.high:
-            return Verdict.INCONCLUSIVE, f"{measured} straddles an edge of [{self.low:g}, {self.high:g}]"
-        return Verdict.PASS, measured
+        return _order(evidence.convergence(self.quantity, self.norm, (self.low, self.high)), self.low, self.high)
 
 
 @dataclass(frozen=True)
@@ -162,8 +147,10 @@ class Stall(_OfErrors):
         last = series.pairwise[-2:]
         if series.classification is Classification.NON_FINITE:
             return Verdict.ERROR, "the error is not finite on at least one level"
-        if len(last) < 2 or not np.all(np.isfinite(last)):
-            return Verdict.INCONCLUSIVE, "a stall needs three levels with an error above zero"
+        if len(last) < 2:
+            return Verdict.INCONCLUSIVE, f"a stall needs three levels, not {len(series.h)}"
+        if np.any(series.error[-3:] <= ROUND_OFF):
+            return Verdict.FAIL, "the error does not stall: it is at round-off on one of the three finest levels"
         measured = f"last observed orders {last[0]:.2f} and {last[1]:.2f} ({series.classification})"
         if np.all(last < self.below):
             return Verdict.PASS, measured
@@ -222,9 +209,10 @@ class Published(_OfErrors):
         return f"published {self.quantity} errors in {self.norm} to {self.digits} digits"
 
     def judge(self, evidence: Evidence) -> Judgement:
-        k = NORMS.index(self.norm)
-        mine = dict(zip(evidence.h.tolist(), evidence.error[self.quantity][:, k], strict=True))
-        pairs = np.array([(mine[h], theirs) for h, theirs in self.values if h in mine])
+        if not np.all(np.isfinite(evidence.relative(self.quantity, self.norm))):
+            return Verdict.ERROR, "the error is not finite on at least one level"
+        errors = zip(evidence.h, evidence.error[self.quantity][:, NORMS.index(self.norm)], strict=True)
+        pairs = np.array([(mine, theirs) for size, mine in errors for h, theirs in self.values if h == size])
         if len(pairs) < 3:
             return Verdict.INCONCLUSIVE, f"{len(pairs)} of {len(self.values)} published levels were run; three are needed"
         units = np.abs(pairs[:, 0] - pairs[:, 1]) / 10.0 ** (np.floor(np.log10(pairs[:, 1])) - self.digits + 1)
@@ -244,7 +232,8 @@ class Balance:
         History that accounts for its change, such as "impulse"; "" when nothing may change it.
     source : str
     bound : float
-        Largest defect relative to the largest magnitude of the two and of the sum of absolute changes.
+        Largest defect relative to the largest magnitude of the two; for momentum also to sqrt(2 m E_kin), the size of the
+        particles' momenta that may cancel in their sum.
     """
 
     stock: str
@@ -270,14 +259,19 @@ class Balance:
         stock = solution.histories[self.stock]
         change = solution.histories[self.source_term] if self.source_term else np.zeros_like(stock)
         defect = stock - stock[0] - (change - change[0])
-        # The terms that cancel set the scale of round-off: a momentum of zero is a difference of large ones.
-        mass = np.max(np.abs(solution.histories["mass"]))
-        kinetic = np.max(solution.histories.get("kinetic_energy", np.zeros(1)))
-        scale = max(np.max(np.abs(stock)), np.max(np.abs(change)), math.sqrt(2 * mass * kinetic))
-        return {self._metric: float(np.max(np.abs(defect)) / (scale or 1.0))}
+        scales = [np.max(np.abs(stock)), np.max(np.abs(change))]
+        if self.stock == "momentum" and {"mass", "kinetic_energy"} <= solution.histories.keys():
+            # The terms that cancel set the scale of round-off: a momentum of zero is a difference of large ones.
+            mass, kinetic = (np.abs(solution.histories[name]) for name in ("mass", "kinetic_energy"))
+            scales.append(np.sqrt(2 * np.max(mass * kinetic)))
+        return _relative(self._metric, defect, np.max(scales))
 
     def judge(self, evidence: Evidence) -> Judgement:
         return _largest(evidence.metrics[self._metric], self.bound, "relative defect")
+
+
+DRIFT_ROUND_OFF = 1e-11
+"""Relative energy drift at and below which nothing drifts."""
 
 
 @dataclass(frozen=True)
@@ -304,24 +298,17 @@ class EnergyDrift:
         if not {"kinetic_energy", "strain_energy", "external_work"} <= history.keys():
             return {}
         total = history["kinetic_energy"] + history["strain_energy"] - history["external_work"]
-        scale = np.max(history["kinetic_energy"] + history["strain_energy"])
-        return {self.metric: float(np.max(np.abs(total - total[0])) / (scale or 1.0))}
+        scale = np.max(np.abs(history["kinetic_energy"] + history["strain_energy"]))
+        return _relative(self.metric, total - total[0], scale)
 
     def judge(self, evidence: Evidence) -> Judgement:
         drift = evidence.metrics[self.metric]
-        if not np.all(np.isfinite(drift)):
-            return Verdict.ERROR, "the energy is not finite on at least one level"
-        if np.all(drift <= 1e-11):
+        if not _are_sizes(drift):
+            return Verdict.ERROR, "the energy drift is not finite, or negative, on at least one level"
+        if np.all(drift <= DRIFT_ROUND_OFF):
             return Verdict.PASS, f"largest relative drift {drift.max():.1e}: round-off"
-        series = analyse(evidence.dt, drift)
-        if series.fit is None or series.kept.sum() < 3:
-            return Verdict.INCONCLUSIVE, "fewer than three levels above round-off"
-        measured = f"drift {drift.min():.1e} at best, order {series.fit.order:.2f} in dt"
-        if series.fit.low >= self.low:
-            return Verdict.PASS, measured
-        return (
-            Verdict.FAIL if series.fit.high < self.low else Verdict.INCONCLUSIVE
-        ), f"{measured}, expected {self.low:g} or more"
+        verdict, reason = _order(analyse(evidence.dt, drift, round_off=DRIFT_ROUND_OFF), self.low, PLAUSIBLE)
+        return verdict, f"drift {drift.min():.1e} at best, in dt: {reason}"
 
 
 @dataclass(frozen=True)
@@ -349,11 +336,15 @@ class Amplification:
     def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
         if "u" not in solution.fields or not isinstance(problem.material, Transport):
             return {}
+        steps = np.round(solution.time / solution.dt)
         modes = np.fft.rfft(solution.fields["u"][:, :, 0], axis=1)
+        if not np.all(np.isfinite(modes)):
+            return {self.metric: np.nan, "amplification_modes": np.nan}
+        if steps[-1] < 1 or not modes[0].any():
+            return {}
         theta = 2 * np.pi * np.arange(modes.shape[1]) / solution.reference.shape[0]
         h = problem.lengths[0] / solution.reference.shape[0]
         factor = two_step_taylor_galerkin(theta, problem.material.velocity * solution.dt / h, self.passes)
-        steps = np.round(solution.time / solution.dt)
         # A mode that the initial profile lacks, the shortest one sampled at its nodes above all, cannot be followed.
         carried = np.abs(modes[0]) > 1e-3 * np.abs(modes[0]).max()
         initial = modes[0, carried]
@@ -361,13 +352,67 @@ class Amplification:
         return {self.metric: float(defect.max()), "amplification_modes": float(carried.sum() / len(carried))}
 
     def judge(self, evidence: Evidence) -> Judgement:
+        share = evidence.metrics["amplification_modes"]
+        if not np.all((share > 0) & (share <= 1)):
+            return Verdict.ERROR, "no Fourier mode was followed on at least one level"
         verdict, reason = _largest(evidence.metrics[self.metric], self.bound, "deviation from G^n")
-        return verdict, f"{reason}, over {evidence.metrics['amplification_modes'].min():.0%} of the modes"
+        return verdict, f"{reason}, over {share.min():.0%} of the modes"
+
+
+def _order(series: Convergence, low: float, high: float) -> Judgement:
+    """Judge an order; the fit and the finest step of refinement must agree, or nothing is concluded.
+
+    PASS when the interval lies in the band, the finest step strays from it by no more than `STEP_SLACK`, and the order is not
+    falling out of it unchecked. FAIL when the error stops, grows or its interval lies wholly outside, and the finest step
+    lies outside on the same side and is not on its way in: levels that are not asymptotic yet accuse nobody. No band reaches
+    down to what does not converge, nor beyond `PLAUSIBLE`.
+    """
+    kind, fit, used = series.classification, series.fit, int(series.kept.sum())
+    if kind is Classification.NON_FINITE:
+        return Verdict.ERROR, "the error is not finite on at least one level"
+    if used < 3 or fit is None:
+        return Verdict.INCONCLUSIVE, f"{used} of {len(series.h)} levels can be used ({kind}); an order needs three"
+    high = min(high, PLAUSIBLE)
+    band = f"[{low:g}, {high:g}]"
+    measured = f"order {fit.order:.3f}, interval [{fit.low:.3f}, {fit.high:.3f}] from {used} levels ({kind})"
+    if series.dropped:
+        measured += f", without {'; '.join(series.dropped)}"
+    change, lasts = series.trend()
+    step, ahead = series.finest_step(low, high), series.finest_step(low, high, change)
+    too_slow, too_fast = max(step, ahead) < 0, min(step, ahead) > 0
+    if series.floor is not None:
+        reason = f"the error stops at a floor of {series.floor.floor:.2e} of the solution: {measured}"
+        return Verdict.FAIL if too_slow else Verdict.INCONCLUSIVE, reason
+    if kind in (Classification.STAGNANT, Classification.DIVERGENT):
+        return Verdict.FAIL if too_slow else Verdict.INCONCLUSIVE, f"the error does not converge: {measured}"
+    if fit.high < low or fit.low > high:
+        if too_slow if fit.high < low else too_fast:
+            return Verdict.FAIL, f"{measured} lies outside {band}"
+        return Verdict.INCONCLUSIVE, f"{measured} lies outside {band}, but the finest levels approach it: add a finer level"
+    if not (low <= fit.low and fit.high <= high):
+        return Verdict.INCONCLUSIVE, f"{measured} straddles an edge of {band}"
+    if series.plunges(high):
+        return Verdict.INCONCLUSIVE, f"{measured} lies in {band}, but no such order takes the error to round-off in one step"
+    if not abs(step) <= STEP_SLACK or (lasts and ahead < -STEP_SLACK):
+        return Verdict.INCONCLUSIVE, f"{measured} lies in {band}, but the finest levels leave it: add a finer level"
+    return Verdict.PASS, measured
+
+
+def _are_sizes(values: Array) -> bool:
+    """Whether there are values, all finite and none negative."""
+    return bool(len(values) and np.all(np.isfinite(values) & (np.asarray(values) >= 0)))
+
+
+def _relative(metric: str, defect: Array, scale: float) -> Mapping[str, float]:
+    """Largest defect over its scale; nothing is measured on one sample, or on histories that are zero throughout."""
+    if len(defect) < 2 or scale == 0:
+        return {}
+    return {metric: float(np.max(np.abs(defect)) / scale) if np.isfinite(scale) else np.nan}
 
 
 def _largest(values: Array, bound: float, what: str) -> Judgement:
-    if not len(values) or not np.all(np.isfinite(values)):
-        return Verdict.ERROR, f"the {what} is not finite on at least one level"
+    if not _are_sizes(values):
+        return Verdict.ERROR, f"the {what} is not finite, or negative, on at least one level"
     verdict = Verdict.PASS if values.max() <= bound else Verdict.FAIL
     return verdict, f"largest {what} {values.max():.2e}, bound {bound:g}"
 
@@ -416,6 +461,8 @@ def judge(criterion: Criterion, evidence: Evidence) -> Judgement:
     failed = [(h, outcome) for h, outcome in zip(evidence.h, evidence.outcomes, strict=True) if outcome != "completed"]
     if failed:
         return Verdict.ERROR, "; ".join(f"h={h:g}: {outcome}" for h, outcome in failed)
+    if not evidence.outcomes:
+        return Verdict.ERROR, "no level was run"
     try:
         return criterion.judge(evidence)
     except KeyError as missing:

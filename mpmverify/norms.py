@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from mpmverify.errors import UsageError
 from mpmverify.exact import ExactSolution
 from mpmverify.problem import Array
 from mpmverify.solution import Solution
@@ -26,7 +27,7 @@ def linf(values: Array) -> Array:
 
 
 def norms(values: Array, weight: Array) -> Array:
-    """Return all `NORMS` of one field, (4,).
+    """Return all `NORMS` of one field, (4,); all NaN when a weight is negative or not finite, or those of one time sum to zero.
 
     Parameters
     ----------
@@ -35,6 +36,8 @@ def norms(values: Array, weight: Array) -> Array:
     weight : Array
         Quadrature weights (T, P).
     """
+    if not (np.all(np.isfinite(weight) & (weight >= 0)) and np.all(weight.sum(axis=-1) > 0)):
+        return np.full(len(NORMS), np.nan)
     last, last_weight = values[-1:], weight[-1:]
     return np.array([l1(last, last_weight)[0], l2(last, last_weight)[0], linf(last)[0], np.max(l2(values, weight))])
 
@@ -46,11 +49,24 @@ def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, A
     -------
     dict of str to (Array, Array)
         (error norms (4,), exact norms (4,)) in the order of `NORMS`.
+
+    Raises
+    ------
+    UsageError
+        If a field or the weights do not have the shape that `Solution` asks for: numpy would stretch them to fit.
     """
+    samples = (len(solution.time), len(solution.reference))
+    if solution.weight.shape != samples or not all(samples):
+        raise UsageError(f"a solver must return weights (T, P) = {samples} of at least one point, not {solution.weight.shape}")
     table = {}
     for quantity, closed_form in exact.fields.items():
         if quantity in solution.fields:
             expected = closed_form(solution.reference, solution.time)
+            found = solution.fields[quantity].shape
+            if found != expected.shape or found[:2] != samples:
+                raise UsageError(
+                    f"a solver must return {quantity} as (T, P, components) = {(*samples, *expected.shape[2:])}, not {found}"
+                )
             table[quantity] = (
                 norms(solution.fields[quantity] - expected, solution.weight),
                 norms(expected, solution.weight),

@@ -1,6 +1,8 @@
 """Runs over worker processes: a run that hangs or kills its process becomes an outcome, and its neighbours finish."""
 
+import contextlib
 import multiprocessing
+import signal
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -12,6 +14,10 @@ from typing import Any
 from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.evaluation import Evaluated, Task, evaluate, failed
 from mpmverify.solution import Status
+
+STARTED = "started"
+START_UP = 120.0
+"""Limit for a new process to import the solver [s]; it does not count as time of the run."""
 
 
 def inline(tasks: Iterable[Task]) -> Iterator[tuple[Task, Evaluated]]:
@@ -37,18 +43,21 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
         What a worker raised: misuse, or a damaged results folder.
     """
     waiting = deque(tasks)
-    workers = [_Worker() for _ in range(min(jobs, len(waiting)))]
+    workers: list[_Worker] = []
     try:
+        workers += (_Worker(timeout) for _ in range(min(jobs, len(waiting))))
         while waiting or any(worker.task for worker in workers):
             for worker in workers:
                 if worker.task is None and waiting:
-                    worker.start(waiting.popleft(), timeout)
+                    worker.start(waiting.popleft())
             busy = [worker for worker in workers if worker.task]
             pause = max(0.0, min(worker.deadline for worker in busy) - time.monotonic())
             ready = wait([worker.connection for worker in busy], pause)
             for worker in busy:
-                if worker.connection in ready:
-                    yield worker.finish()
+                # Whoever takes the results may be slow: what has come in meanwhile is no time-out.
+                if worker.connection in ready or worker.connection.poll():
+                    if finished := worker.receive():
+                        yield finished
                 elif time.monotonic() >= worker.deadline:
                     yield worker.abandon(Status.TIMED_OUT, f"no result within {timeout:g} s")
     finally:
@@ -59,7 +68,8 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
 class _Worker:
     """One process and the task that it works on."""
 
-    def __init__(self) -> None:
+    def __init__(self, timeout: float) -> None:
+        self.timeout = timeout
         self.task: Task | None = None
         self.deadline = 0.0
         self._spawn()
@@ -68,25 +78,31 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
         self.process: BaseProcess = context.Process(target=_serve, args=(theirs,), daemon=True)
-        self.process.start()
+        with _no_interrupt():
+            self.process.start()
         theirs.close()
 
-    def start(self, task: Task, timeout: float) -> None:
-        self.task, self.deadline = task, time.monotonic() + timeout
-        self.connection.send(task)
+    def start(self, task: Task) -> None:
+        self.task, self.deadline = task, time.monotonic() + START_UP + self.timeout
+        with contextlib.suppress(BrokenPipeError):  # the process died while idle: receiving says so
+            self.connection.send(task)
 
-    def finish(self) -> tuple[Task, Evaluated]:
+    def receive(self) -> tuple[Task, Evaluated] | None:
+        """Take what the process sent; None when the task is not finished by it."""
         task = self.task
         assert task is not None
         try:
             result = self.connection.recv()
-        except EOFError:
+        except (EOFError, ConnectionResetError):
             self.process.join()
             return self.abandon(Status.CRASHED, f"the process died with exit status {self.process.exitcode}")
+        if result == STARTED:
+            self.deadline = time.monotonic() + self.timeout
+            return None
         if isinstance(result, MpmverifyError):
             raise result
         self.task = None
-        return task, result
+        return task, failed(task, Status.CRASHED, result) if isinstance(result, str) else result
 
     def abandon(self, status: Status, detail: str) -> tuple[Task, Evaluated]:
         """Replace the process, and report its task as failed."""
@@ -102,19 +118,33 @@ class _Worker:
         self.connection.close()
 
 
+@contextlib.contextmanager
+def _no_interrupt() -> Iterator[None]:
+    """Hold back an interrupt from the keyboard, which a process that starts meanwhile never sees: its parent ends it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+
 def _serve(connection: Connection) -> None:
-    """Evaluate what comes until the other side closes."""
+    """Evaluate what comes until the other side closes; a failure that is no outcome of the solver is sent as text."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     while True:
         try:
             task = connection.recv()
-        except (EOFError, KeyboardInterrupt):
-            return
-        try:
+            connection.send(STARTED)
             connection.send(evaluate(task))
+        except (EOFError, ConnectionError):
+            return
         except MpmverifyError as error:
             connection.send(error)
-        except KeyboardInterrupt:
-            return
+        except Exception as error:  # a task or a result that does not travel between processes
+            connection.send(f"{type(error).__name__}: {error}")
 
 
 @dataclass(frozen=True)

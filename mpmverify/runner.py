@@ -105,9 +105,11 @@ def run(studies: Sequence[Study], plan: Plan, progress: Callable[[str, int, int]
     for study in studies:
         tasks = tasks_of(study, plan)
         inputs = _inputs(study, plan, tasks)
-        known = stored.get(study.name)
-        if plan.reuse and known and known["inputs"] == inputs and _stored_inputs(plan.results.study(study.name)) == inputs:
-            yield Judged(study.name, tuple(_finding(entry) for entry in known["findings"]), 0, len(tasks))
+        entry = stored.get(study.name, {"inputs": "", "findings": []})
+        # Looked at in any case: a foreign file is named before anything is solved.
+        up_to_date = _made_from(inputs, plan.results.study(study.name), entry)
+        if plan.reuse and up_to_date:
+            yield Judged(study.name, _findings(entry), 0, len(tasks))
         else:
             work[study.name] = tasks
     by_name = {study.name: study for study in studies}
@@ -165,12 +167,22 @@ def _judge(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[
     return Judged(study.name, found, solved, len(evaluated) - solved)
 
 
-def _stored_inputs(path: Path) -> str:
-    return str(check_ours(path, "study")["inputs"]) if path.exists() else ""
+def _made_from(inputs: str, path: Path, entry: dict) -> bool:
+    """Whether a study's file and verdicts were made from these inputs; a file that has not been touched is not opened."""
+    if not path.exists():
+        return False
+    stored = entry["inputs"] if entry.get("stamp") == _stamp(path) else check_ours(path, "study").get("inputs", "")
+    return bool(stored == inputs == entry["inputs"])
 
 
-def _finding(entry: dict[str, str]) -> Finding:
-    return Finding(**(entry | {"verdict": Verdict(entry["verdict"])}))  # type: ignore[arg-type]
+def _stamp(path: Path) -> list[int]:
+    status = path.stat()
+    return [status.st_size, status.st_mtime_ns]
+
+
+def _findings(entry: dict) -> tuple[Finding, ...]:
+    """Findings of one study as `verdicts.json` holds them."""
+    return tuple(Finding(**(finding | {"verdict": Verdict(finding["verdict"])})) for finding in entry["findings"])
 
 
 def read_verdicts(results: Results) -> dict[str, dict]:
@@ -182,7 +194,10 @@ def read_verdicts(results: Results) -> dict[str, dict]:
         If the file is damaged.
     """
     try:
-        return dict(json.loads(results.verdicts.read_text(encoding="utf-8"))["studies"])
+        studies = dict(json.loads(results.verdicts.read_text(encoding="utf-8"))["studies"])
+        for entry in studies.values():  # what is malformed raises here
+            _findings(entry), entry["inputs"]
+        return studies
     except FileNotFoundError:
         return {}
     except (OSError, ValueError, KeyError, TypeError) as error:
@@ -192,6 +207,10 @@ def read_verdicts(results: Results) -> dict[str, dict]:
 def write_verdicts(results: Results, study: str, inputs: str, findings: Sequence[Finding]) -> None:
     """Replace the verdicts of one study in `verdicts.json`."""
     studies = {name: entry for name, entry in read_verdicts(results).items() if results.study(name).exists()}
-    studies[study] = {"inputs": inputs, "findings": [asdict(finding) for finding in findings]}
+    studies[study] = {
+        "inputs": inputs,
+        "stamp": _stamp(results.study(study)),
+        "findings": [asdict(finding) for finding in findings],
+    }
     text = json.dumps({"schema": 1, "studies": studies}, indent=1, sort_keys=True)
     write_atomic(results.verdicts, lambda temporary: temporary.write_text(text + "\n", encoding="utf-8"))

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
-from mpmverify.problem import Array, Discretisation, Problem
+import numpy as np
+
+from mpmverify.problem import UNITS, Array, Discretisation, Problem
 
 
 class Status(StrEnum):
@@ -95,6 +97,32 @@ class Solution:
     histories: Mapping[str, Array]
     work: Work
     outcome: Outcome = Outcome()
+
+    def arrays(self) -> dict[str, Array]:
+        """All arrays by name, fields and histories among them."""
+        sampled = {"time": self.time, "reference": self.reference, "position": self.position, "weight": self.weight}
+        return sampled | dict(self.fields) | {f"history of {name}": values for name, values in self.histories.items()}
+
+    def inconsistency(self) -> str:
+        """Say what contradicts the shapes above; "" when nothing does."""
+        unknown = sorted(self.fields.keys() - UNITS.keys())
+        if unknown:
+            return f"the field {unknown[0]!r} is unknown: known are {', '.join(UNITS)}"
+        if "time" not in self.histories:
+            return "the histories lack their time"
+        shapes = {name: np.shape(values) for name, values in self.arrays().items()}
+        if len(shapes["time"]) != 1 or len(shapes["reference"]) != 2 or 0 in shapes["time"] + shapes["reference"]:
+            return (
+                f"time {shapes['time']} must be (T,) and reference {shapes['reference']} must be (P, dim), none of them empty"
+            )
+        (outputs,), (points, dimension) = shapes["time"], shapes["reference"]
+        expected = {"position": (outputs, points, dimension), "weight": (outputs, points)}
+        expected |= {name: (outputs, points, *shapes[name][2:3]) for name in self.fields}
+        expected |= {f"history of {name}": shapes["history of time"][:1] for name in self.histories}
+        for name, shape in expected.items():
+            if shapes[name] != shape or (name in self.fields and len(shape) < 3):
+                return f"{name} has the shape {shapes[name]} beside {outputs} output times and {points} points"
+        return ""
 
 
 class Solver(Protocol):

@@ -25,11 +25,20 @@ class Refinement:
         Coarsest first.
     quick : int
         How many of them, from the coarsest, the quick tier runs.
+
+    Raises
+    ------
+    UsageError
+        If the quick tier runs no level, or more than there are.
     """
 
     label: str
     levels: tuple[Discretisation, ...]
     quick: int
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.quick <= len(self.levels):
+            raise UsageError(f"ladder {self.label!r} has {len(self.levels)} levels: the quick tier cannot run {self.quick}")
 
     def tier(self, tier: str) -> tuple[Discretisation, ...]:
         return self.levels[: self.quick] if tier == "quick" else self.levels
@@ -100,7 +109,7 @@ class Study:
     Raises
     ------
     UsageError
-        If two series share their case, solver and refinement.
+        If two series share their case, solver and refinement, two solvers share a name, or a name cannot be that of a file.
     """
 
     name: str
@@ -110,11 +119,17 @@ class Study:
 
     def __post_init__(self) -> None:
         seen = set()
+        named: dict[str, Solver] = {}
         for case, series in self.series():
             identity = (case.name, series.solver.name, series.refinement.label)
             if identity in seen:
                 raise UsageError(f"study {self.name!r} declares {' / '.join(identity)} twice")
             seen.add(identity)
+            if named.setdefault(series.solver.name, series.solver) != series.solver:
+                raise UsageError(f"study {self.name!r} has two solvers of the name {series.solver.name!r}: rename one")
+        for name in (self.name, *named):
+            if not name or "/" in name or name.startswith("."):
+                raise UsageError(f"{name!r} cannot name a file or a group: give it letters and no '/'")
 
     def series(self) -> Iterator[tuple[Case, Series]]:
         for case in self.cases:

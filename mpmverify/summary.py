@@ -8,7 +8,9 @@ from mpmverify.gate import Finding, Verdict, worst
 
 MARKDOWN_ROWS = 50
 """Failures listed in a summary; hosts limit its size."""
-XML_FORBIDDEN = {code: None for code in range(32) if code not in (9, 10, 13)}
+XML_FORBIDDEN = dict.fromkeys({*range(32), *range(0xD800, 0xE000), 0xFFFE, 0xFFFF} - {9, 10, 13})
+
+MARKDOWN_ESCAPES = str.maketrans({"\\": "\\\\", "|": "\\|", "&": "&amp;", "<": "&lt;", ">": "&gt;"})
 
 
 def matrix(findings: Sequence[Finding]) -> dict[str, dict[str, Verdict]]:
@@ -34,29 +36,34 @@ def counts(findings: Sequence[Finding]) -> str:
 def junit(findings: Sequence[Finding]) -> bytes:
     """JUnit XML: a suite by study, a test case by finding; INCONCLUSIVE is skipped, with the reason."""
     tags = {Verdict.FAIL: "failure", Verdict.ERROR: "error", Verdict.INCONCLUSIVE: "skipped"}
-    root = ElementTree.Element("testsuites", name="mpmverify")
+
+    def plain(text: str) -> str:
+        return text.translate(XML_FORBIDDEN)
+
+    def totals(some: Sequence[Finding]) -> dict[str, str]:
+        count = Counter(finding.verdict for finding in some)
+        return {
+            "tests": str(len(some)),
+            "failures": str(count[Verdict.FAIL]),
+            "errors": str(count[Verdict.ERROR]),
+            "skipped": str(count[Verdict.INCONCLUSIVE]),
+            "time": "0",
+        }
+
+    root = ElementTree.Element("testsuites", name="mpmverify", **totals(findings))
     for study in dict.fromkeys(finding.study for finding in findings):
         mine = [finding for finding in findings if finding.study == study]
-        count = Counter(finding.verdict for finding in mine)
-        suite = ElementTree.SubElement(
-            root,
-            "testsuite",
-            name=study,
-            tests=str(len(mine)),
-            failures=str(count[Verdict.FAIL]),
-            errors=str(count[Verdict.ERROR]),
-            skipped=str(count[Verdict.INCONCLUSIVE]),
-            time="0",
-        )
+        suite = ElementTree.SubElement(root, "testsuite", name=plain(study), **totals(mine))
         for finding in mine:
-            name = f"{finding.case} ({finding.refinement}) {finding.gate}: {finding.criterion}"
-            case = ElementTree.SubElement(suite, "testcase", classname=f"{study}.{finding.solver}", name=name, time="0")
+            name = plain(f"{finding.case} ({finding.refinement}) {finding.gate}: {finding.criterion}")
+            classname = plain(f"{study}.{finding.solver}")
+            case = ElementTree.SubElement(suite, "testcase", classname=classname, name=name, time="0")
             if finding.verdict in tags:
-                reason = finding.reason.translate(XML_FORBIDDEN)
+                reason = plain(finding.reason)
                 child = ElementTree.SubElement(case, tags[finding.verdict], message=reason)
                 if finding.verdict is not Verdict.INCONCLUSIVE:
-                    child.set("type", finding.gate)
-                    child.text = f"{reason}\nexpected by: {finding.source}"
+                    child.set("type", plain(finding.gate))
+                    child.text = f"{reason}\nexpected by: {plain(finding.source)}"
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
 
@@ -65,7 +72,7 @@ def markdown(findings: Sequence[Finding]) -> str:
     """Markdown summary: the count, what is no PASS with reasons, and the matrix of solver by study."""
 
     def row(*cells: str) -> str:
-        return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |"
+        return "| " + " | ".join(" ".join(cell.translate(MARKDOWN_ESCAPES).split()) for cell in cells) + " |"
 
     lines = [f"## mpmverify: {worst(f.verdict for f in findings)}", "", f"{counts(findings)}.", ""]
     bad = ranked(findings)

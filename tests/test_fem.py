@@ -381,7 +381,7 @@ def test_shapes_weights_and_work() -> None:
 def test_blocks_of_the_body_force_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     problem, _ = manufactured(G=0.05)
     whole = P2.solve(problem, Discretisation(1 / 8, 0.2))
-    monkeypatch.setattr("mpmverify.solvers.fem.BLOCK", 100)
+    monkeypatch.setattr("mpmverify.solvers.fem.solver.BLOCK", 100)
     parts = P2.solve(problem, Discretisation(1 / 8, 0.2))
     np.testing.assert_allclose(parts.fields["stress"], whole.fields["stress"], rtol=1e-12, atol=1e-6)
 

@@ -7,11 +7,13 @@ import importlib.util
 import json
 import platform
 import sys
+import textwrap
 from collections.abc import Iterable, Mapping
 from enum import Enum
 from functools import cache
 from importlib import metadata
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 from mpmverify.errors import UsageError
@@ -32,34 +34,43 @@ def digest(*parts: Any, code: Iterable[str] = ()) -> str:
     Raises
     ------
     UsageError
-        If a part is not a value: a lambda, a closure, an open object.
+        If a part is not a value: a lambda, a closure, an open object; or if the source of its class cannot be found.
     """
     modules = set(code)
     body = json.dumps([canonical(part, modules) for part in parts], sort_keys=True)
-    code = {name: source_digest(name) for name in sorted(import_closure(modules))}
-    return hashlib.sha256(f"{body}{json.dumps(code)}{json.dumps(library_versions())}".encode()).hexdigest()[:24]
+    for name in sorted(modules):
+        if source_path(name) is None:
+            raise UsageError(f"the source of module {name!r} cannot be found, so that its runs have no key: put it into a file")
+    return hashlib.sha256(f"{body}{code_digest(frozenset(modules))}{json.dumps(library_versions())}".encode()).hexdigest()[:24]
+
+
+@cache
+def code_digest(modules: frozenset[str]) -> str:
+    """Digest of the sources of some modules and of all that they import."""
+    sources = {name: source_digest(name) for name in sorted(import_closure(modules))}
+    return hashlib.sha256(json.dumps(sources).encode()).hexdigest()
 
 
 def canonical(value: Any, modules: set[str]) -> Any:
     """Reduce a value to JSON, and collect the modules of the classes and functions that it is made of."""
-    if value is None or (isinstance(value, bool | int | str) and not isinstance(value, Enum)):
+    if value is None or (isinstance(value, bool | int | float | str) and not isinstance(value, Enum)):
         return value
-    if isinstance(value, float):
-        return value.hex()
     if isinstance(value, Enum):
-        return [type(value).__qualname__, canonical(value.value, modules)]
+        modules.add(type(value).__module__)
+        return [f"{type(value).__module__}.{type(value).__qualname__}", canonical(value.value, modules)]
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         modules.add(type(value).__module__)
         fields = {f.name: canonical(getattr(value, f.name), modules) for f in dataclasses.fields(value)}
         return [f"{type(value).__module__}.{type(value).__qualname__}", fields]
-    if isinstance(value, Mapping):
+    if isinstance(value, Mapping) and all(isinstance(name, str) for name in value):
         return {str(name): canonical(entry, modules) for name, entry in value.items()}
     if isinstance(value, tuple | list):
         return [canonical(entry, modules) for entry in value]
-    if callable(value) and getattr(value, "__closure__", value) is None and "<" not in value.__qualname__:
+    if isinstance(value, FunctionType) and value.__closure__ is None and "<" not in value.__qualname__:
         modules.add(value.__module__)
         return f"{value.__module__}.{value.__qualname__}"
-    raise UsageError(f"{value!r} has no content key: use numbers, strings, frozen dataclasses and module-level functions")
+    shown = textwrap.shorten(repr(value), 80)
+    raise UsageError(f"{shown} has no content key: use numbers, strings, frozen dataclasses and module-level functions")
 
 
 @cache
@@ -71,7 +82,7 @@ def library_versions() -> dict[str, str]:
 
 
 def import_closure(modules: Iterable[str]) -> set[str]:
-    """Modules reached by imports from some modules within their own top-level packages."""
+    """Modules reached by imports from some modules within their own top-level packages and within mpmverify."""
     reached: set[str] = set()
     pending = list(modules)
     while pending:
@@ -85,6 +96,9 @@ def import_closure(modules: Iterable[str]) -> set[str]:
 @cache
 def source_path(module: str) -> Path | None:
     """File of a module, or None when it is no Python source or does not exist."""
+    package = module.rpartition(".")[0]
+    if package and getattr(source_path(package), "name", "") != "__init__.py":
+        return None  # an attribute of a module; to look for it would import the module
     loaded = sys.modules.get(module)
     origin = getattr(loaded, "__file__", None)
     if origin is None:
@@ -104,7 +118,7 @@ def source_digest(module: str) -> str:
 
 @cache
 def imported_siblings(module: str) -> frozenset[str]:
-    """Names that a module imports from its own top-level package, whether they are modules or attributes of one."""
+    """Names that a module imports from its own top-level package or from mpmverify, modules or attributes of one."""
     path = source_path(module)
     if path is None:
         return frozenset()
@@ -119,8 +133,8 @@ def imported_siblings(module: str) -> frozenset[str]:
                 base = importlib.util.resolve_name("." * node.level + base, package)
             names.add(base)
             names.update(f"{base}.{alias.name}" for alias in node.names)
-    top = module.partition(".")[0]
-    return frozenset(name for name in names if name.partition(".")[0] == top)
+    packages = {module.partition(".")[0], "mpmverify"}
+    return frozenset(name for name in names if name.partition(".")[0] in packages)
 
 
 def file_digest(path: Path) -> str:

@@ -36,7 +36,8 @@ class Results:
         return self.path / "report"
 
     def studies(self) -> list[Path]:
-        return sorted(self.path.glob("*.nc"))
+        # A hidden file is what another process is writing, or what a killed one left.
+        return sorted(path for path in self.path.glob("*.nc") if not path.name.startswith("."))
 
     def create(self) -> None:
         """Make the folder and prove that it can be written to.
@@ -61,7 +62,7 @@ def write_atomic(path: Path, write: Callable[[Path], Any]) -> None:
     Raises
     ------
     ResultsError
-        If the file cannot be written, or an existing file there is not ours.
+        If the file cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -79,8 +80,10 @@ def write_atomic(path: Path, write: Callable[[Path], Any]) -> None:
             temporary.unlink(missing_ok=True)
     except ResultsError:
         raise
-    except OSError as error:
-        raise ResultsError(f"cannot write '{path}' ({error.strerror or error}): free the disk or choose --out") from error
+    except (OSError, RuntimeError) as error:  # netCDF4 raises RuntimeError when the disk is full
+        raise ResultsError(
+            f"cannot write '{path}' ({getattr(error, 'strerror', '') or error}): free the disk or choose --out"
+        ) from error
 
 
 def check_ours(path: Path, kind: str) -> dict[str, Any]:
@@ -108,8 +111,7 @@ def check_ours(path: Path, kind: str) -> dict[str, Any]:
         ) from error
     if attributes.get("mpmverify_kind") != kind:
         raise ResultsError(f"'{path}' is not an mpmverify {kind} file: move it away or choose another folder with --out")
-    if int(attributes["mpmverify_schema"]) != SCHEMA:
-        raise ResultsError(
-            f"'{path}' has schema {attributes['mpmverify_schema']}, this version reads {SCHEMA}: move it away and run again"
-        )
+    schema = attributes.get("mpmverify_schema", "none")
+    if str(schema) != str(SCHEMA):
+        raise ResultsError(f"'{path}' has schema {schema}, this version reads {SCHEMA}: move it away and run again")
     return attributes

@@ -25,7 +25,9 @@ HISTORY_UNITS = {
 
 
 def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
-    """Write a solution; see `Solution` for what each variable holds."""
+    """Write a solution; see `Solution` for what each variable holds. A foreign file at `path` is never overwritten."""
+    if path.exists():
+        check_ours(path, "run")
 
     def write(temporary: Path) -> None:
         with netCDF4.Dataset(temporary, "w") as file:
@@ -78,22 +80,22 @@ def read_run(path: Path, key: str) -> Solution:
         If the file is missing, unreadable, foreign, or belongs to another key.
     """
     attributes = check_ours(path, "run")
-    if attributes["id"] != key:
-        raise ResultsError(f"'{path}' holds the run {attributes['id']}: delete it")
+    if attributes.get("id") != key:
+        raise ResultsError(f"'{path}' holds the run {attributes.get('id')}: delete it")
     try:
         with netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
             variables = {name: np.asarray(variable[...]) for name, variable in file.variables.items()}
-    except (OSError, RuntimeError) as error:
+        return Solution(
+            time=variables["time"],
+            dt=float(attributes["dt"]),
+            reference=variables["reference"],
+            position=variables["position"],
+            weight=variables["weight"],
+            fields={name: values for name, values in variables.items() if name in UNITS},
+            histories={name.removeprefix("history_"): v for name, v in variables.items() if name.startswith("history_")},
+            work=Work(int(attributes["steps"]), int(attributes["point_steps"]), float(attributes["seconds"])),
+            outcome=Outcome(Status(attributes["status"]), str(attributes["detail"])),
+        )
+    except (OSError, RuntimeError, KeyError, ValueError) as error:
         raise ResultsError(f"'{path}' is damaged: delete it, and it will be solved again") from error
-    return Solution(
-        time=variables["time"],
-        dt=float(attributes["dt"]),
-        reference=variables["reference"],
-        position=variables["position"],
-        weight=variables["weight"],
-        fields={name: values for name, values in variables.items() if name in UNITS},
-        histories={name.removeprefix("history_"): v for name, v in variables.items() if name.startswith("history_")},
-        work=Work(int(attributes["steps"]), int(attributes["point_steps"]), float(attributes["seconds"])),
-        outcome=Outcome(Status(attributes["status"]), str(attributes["detail"])),
-    )

@@ -21,6 +21,7 @@ from mpmverify.dataset import provenance
 from mpmverify.dataset.files import check_ours, write_atomic
 from mpmverify.dataset.level import Level, SeriesId, Snapshots
 from mpmverify.dataset.runs import HISTORY_UNITS
+from mpmverify.dataset.tree import write_tree
 from mpmverify.errors import ResultsError
 from mpmverify.gate import Evidence
 from mpmverify.norms import NORMS
@@ -58,7 +59,7 @@ def _describe(value: Any) -> str:
 
 
 def text(values: Sequence[str]) -> np.ndarray:
-    return np.array(list(values), dtype=object)
+    return np.array(list(values), dtype=object if len(values) else "U1")
 
 
 def _root(study: Study, tier: str, inputs: str) -> xr.Dataset:
@@ -176,7 +177,6 @@ def _profiles(shots: Sequence[Snapshots]) -> xr.Dataset:
                 {"units": "1", "long_name": "points of the profile", "sample_dimension": "obs"},
             ),
         },
-        attrs={"featureType": "trajectoryProfile"},
     )
 
 
@@ -240,7 +240,7 @@ def write_study(path: Path, tree: xr.DataTree) -> None:
     """Write a tree whole; a foreign file at `path` is never overwritten."""
     if path.exists():
         check_ours(path, "study")
-    write_atomic(path, lambda temporary: tree.to_netcdf(temporary, engine="netcdf4"))
+    write_atomic(path, lambda temporary: write_tree(temporary, tree))
 
 
 def read_study(path: Path) -> xr.DataTree:

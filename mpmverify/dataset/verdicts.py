@@ -3,6 +3,7 @@
 import dataclasses
 import json
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -137,8 +138,16 @@ def criteria(dataset: xr.Dataset) -> list[tuple[str, str, Criterion]]:
     table = []
     for case, refinement, stored in zip(*(dataset[name].values.tolist() for name in names), strict=True):
         values = json.loads(stored)
-        table.append((case, refinement, CRITERIA[values.pop("type")](**values)))
+        kind = values.pop("type")
+        if kind not in CRITERIA:
+            raise UsageError(f"the criterion {kind!r} of {case!r} is unknown: choose from {', '.join(CRITERIA)}")
+        table.append((case, refinement, CRITERIA[kind](**{name: _frozen(value) for name, value in values.items()})))
     return table
+
+
+def _frozen(value: Any) -> Any:
+    """JSON knows no tuples."""
+    return tuple(_frozen(entry) for entry in value) if isinstance(value, list) else value
 
 
 def accepted(baseline: regression.Baseline, trees: Sequence[xr.DataTree], reason: str) -> int:

@@ -1,0 +1,61 @@
+"""A DataTree as a netCDF file that any reader may open at any time, and as often as it likes.
+
+Notes
+-----
+Texts are arrays of characters: a process that has a file with variable-length strings open twice is killed by the netCDF library
+(Unidata/netcdf4-python#1444, pydata/xarray#9093). Everything is declared before the first value is written: xarray's own writer
+takes turns, and needs ten times as long for a tree of fifty groups.
+"""
+
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import xarray as xr
+
+
+def write_tree(path: Path, tree: xr.DataTree) -> None:
+    """Write a tree; `xarray.open_datatree` gives it back, coordinates and texts included."""
+    with netCDF4.Dataset(path, "w") as file:
+        pending: list[tuple[netCDF4.Variable, np.ndarray]] = []
+        for node in tree.subtree:
+            group = file if node.path == "/" else file.createGroup(node.path)
+            pending += _declare(group, node.to_dataset(inherit=False))
+        for variable, values in pending:
+            variable[...] = values
+
+
+def _declare(group: netCDF4.Dataset, dataset: xr.Dataset) -> list[tuple[netCDF4.Variable, np.ndarray]]:
+    """Declare the dimensions, variables and attributes of one group; return what is to be written where."""
+    for name, size in dataset.sizes.items():
+        group.createDimension(str(name), size)
+    auxiliary = {str(name) for name in dataset.coords} - {str(name) for name in dataset.sizes}
+    named: set[str] = set()
+    pending = []
+    for name, values in dataset.variables.items():
+        variable, content = _variable(group, str(name), values)
+        attributes = dict(values.attrs)
+        mine = sorted(coord for coord in auxiliary if set(dataset[coord].dims) <= set(values.dims))
+        if name not in dataset.coords and mine:
+            attributes.setdefault("coordinates", " ".join(mine))
+        named.update(attributes.get("coordinates", "").split())
+        variable.setncatts(attributes)
+        pending.append((variable, content))
+    rest = " ".join(sorted(auxiliary - named))
+    group.setncatts(dataset.attrs | ({"coordinates": rest} if rest else {}))
+    return pending
+
+
+def _variable(group: netCDF4.Dataset, name: str, values: xr.Variable) -> tuple[netCDF4.Variable, np.ndarray]:
+    dimensions = [str(dimension) for dimension in values.dims]
+    if values.dtype.kind not in "OU":
+        return group.createVariable(name, values.dtype, dimensions), values.values
+    encoded = np.char.encode(values.values.astype(str), "utf-8")
+    width = max(1, encoded.dtype.itemsize)
+    length = f"string{width}"
+    if length not in group.dimensions:
+        group.createDimension(length, width)
+    variable = group.createVariable(name, "S1", [*dimensions, length])
+    variable.set_auto_chartostring(False)
+    variable.setncattr("_Encoding", "utf-8")
+    return variable, np.ascontiguousarray(encoded.astype(f"S{width}")).view("S1").reshape(*values.shape, width)

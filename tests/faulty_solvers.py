@@ -1,0 +1,159 @@
+"""Solvers that behave as they are told, at once: importable by worker processes, which unpickle them by name."""
+
+import os
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmverify.baseline import Baseline
+from mpmverify.dataset.files import Results
+from mpmverify.exact.advection import Gaussian, advection
+from mpmverify.gate import Balance, Criterion, Order
+from mpmverify.problem import Array, Discretisation, Problem
+from mpmverify.runner import Plan
+from mpmverify.solution import Outcome, Solution, Status, Work
+from mpmverify.study import Case, Refinement, Series, Study, halving
+
+HILL = Gaussian(width=0.2)
+"""Eight cells sum it to round-off, so that its norms are those of every level."""
+SECOND_ORDER = (Order("u", "L2", 1.9, 2.1, "made so"), Balance("mass", "", "made so"))
+
+
+@dataclass(frozen=True)
+class Scripted:
+    """Carries the initial profile along exactly, and adds an error of h^order.
+
+    Parameters
+    ----------
+    behaviour : str
+        What it does wrong on its finest levels, those with h <= `below`.
+    order : float
+    below : float
+        [m].
+    journal : str
+        File that gets one line for every run that is solved; "" for none.
+    """
+
+    behaviour: str = "good"
+    order: float = 2.0
+    below: float = 1.0
+    journal: str = ""
+
+    @property
+    def name(self) -> str:
+        return f"scripted-{self.behaviour}"
+
+    @property
+    def orders(self) -> Mapping[str, float]:
+        return {"u": self.order}
+
+    @property
+    def conserves(self) -> frozenset[str]:
+        return frozenset({"mass"})
+
+    def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
+        if self.journal:
+            with Path(self.journal).open("a") as journal:
+                journal.write(f"{self.name} {discretisation.h:g}\n")
+        good = transported(problem, discretisation, discretisation.h**self.order)
+        return good if discretisation.h > self.below else MISDEEDS[self.behaviour](good)
+
+
+def transported(problem: Problem, discretisation: Discretisation, error: float) -> Solution:
+    """Solution of periodic advection with an error of constant sign, sampled at the cell centres."""
+    (cells,), (steps, dt) = discretisation.cells(problem), discretisation.time_steps(problem)
+    h, time = discretisation.h, np.linspace(0, problem.end_time, 5)
+    centres = (np.arange(cells)[:, None] + 0.5) * h
+    carried = [problem.initial_field("u", centres - problem.material.velocity * t) for t in time]  # type: ignore[union-attr]
+    return Solution(
+        time=time,
+        dt=dt,
+        reference=centres,
+        position=np.repeat(centres[None], len(time), axis=0),
+        weight=np.full((len(time), cells), h),
+        fields={"u": np.array(carried) + error},
+        histories={"time": np.linspace(0, problem.end_time, steps + 1), "mass": np.ones(steps + 1)},
+        work=Work(steps, steps * cells, 0.25),
+    )
+
+
+def _with_u(solution: Solution, values: Array) -> Solution:
+    return replace(solution, fields={"u": values})
+
+
+def _hang(_: Solution) -> Solution:
+    time.sleep(600)
+    raise AssertionError("nobody waits so long")
+
+
+def _raise(_: Solution) -> Solution:
+    raise ZeroDivisionError("a mass of [/zero]\nat node 3 \0 \udc80")
+
+
+def _dawdle(solution: Solution) -> Solution:
+    time.sleep(0.3)
+    return solution
+
+
+MISDEEDS: Mapping[str, Any] = {
+    "good": lambda s: s,
+    "raises": _raise,
+    "leaves": lambda s: sys.exit(7),
+    "dies": lambda s: os._exit(3),
+    "hangs": _hang,
+    "dawdles": _dawdle,
+    "returns-nothing": lambda s: None,
+    "nan": lambda s: _with_u(s, np.where(s.time[:, None, None] > 0, np.nan, s.fields["u"])),
+    "nan-weight": lambda s: replace(s, weight=s.weight * np.nan),
+    "nan-history": lambda s: replace(s, histories=dict(s.histories) | {"mass": s.histories["mass"] * np.nan}),
+    "unstable": lambda s: replace(s, outcome=Outcome(Status.UNSTABLE, "at step 3")),
+    "unstable-at-once": lambda s: replace(
+        s, time=s.time[:1], position=s.position[:1], weight=s.weight[:1], fields={"u": s.fields["u"][:1]},
+        histories={name: values[:1] for name, values in s.histories.items()}, outcome=Outcome(Status.UNSTABLE, "at step 0"),
+    ),
+    "flat-fields": lambda s: _with_u(s, s.fields["u"][:, :, 0]),
+    "too-few-points": lambda s: _with_u(s, s.fields["u"][:, 1:]),
+    "scalar-weight": lambda s: replace(s, weight=np.array(0.1)),
+    "ragged-histories": lambda s: replace(s, histories=dict(s.histories) | {"mass": np.ones(2)}),
+    "no-time": lambda s: replace(s, histories={"mass": s.histories["mass"]}),
+    "no-output": lambda s: replace(s, time=s.time[:0], position=s.position[:0], weight=s.weight[:0], fields={}),
+    "unknown-field": lambda s: replace(s, fields=dict(s.fields) | {"temperature": s.fields["u"]}),
+    "unknown-history": lambda s: replace(s, histories=dict(s.histories) | {"entropy": s.histories["mass"]}),
+    "stops-early": lambda s: replace(
+        s, time=s.time[:-1], position=s.position[:-1], weight=s.weight[:-1], fields={"u": s.fields["u"][:-1]}
+    ),
+    "text-fields": lambda s: _with_u(s, np.full(s.fields["u"].shape, "one")),
+}  # fmt: skip
+"""What becomes of a good solution, by behaviour."""
+
+
+@dataclass(frozen=True)
+class Unreadable(Scripted):
+    """Cannot be unpickled by a worker process."""
+
+    def __reduce__(self) -> Any:
+        return _refuse, ()
+
+
+def _refuse() -> None:
+    raise ModuleNotFoundError("no module named 'nowhere'")
+
+
+def ladder(levels: int = 3) -> Refinement:
+    return halving(1.0, 8, quick=levels, full=levels + 1, courant=0.5)
+
+
+def study(*solvers: Scripted, name: str = "scripted", levels: int = 3, criteria: tuple[Criterion, ...] = SECOND_ORDER) -> Study:
+    """Return a study of scripted solvers on one ladder of the Gaussian hill."""
+    series = tuple(Series(solver, ladder(levels), criteria) for solver in solvers or (Scripted(),))
+    return Study(name, "Scripted", "Solvers that do as they are told.", (Case("hill", advection(HILL), series, "u"),))
+
+
+def plan(path: Path, **choices: Any) -> Plan:
+    """Return a plan that evaluates in this process and knows no baseline."""
+    return Plan(**({"results": Results(path), "baseline": Baseline(path / "none.json"), "jobs": 0} | choices))

@@ -1,0 +1,291 @@
+"""The regression gate: it sees what an order cannot, and never takes a baseline for granted."""
+
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmverify.baseline import RELATIVE, Baseline, levels, read_baseline
+from mpmverify.errors import ResultsError
+from mpmverify.gate import Evidence, Order, Verdict, judge
+from mpmverify.norms import NORMS
+
+LIGHT = settings(max_examples=25, deadline=None)
+H = 0.5 ** np.arange(3.0, 7.0)
+SERIES = ("bar", "tg", "step", "nu_C=0.5")
+ACCEPTED = {"date": "2026-01-02", "commit": "abc", "reason": "first"}
+
+
+def evidence(factor=1.0, *, h=H, quantities=("u", "v"), size=2.0, outcomes=None) -> Evidence:
+    table = 0.1 * factor * (h**2)[:, None] * np.array([1.0, 1.5, 3.0, 2.0])
+    return Evidence(
+        h=h.copy(),
+        dt=h / 2,
+        courant=np.full(len(h), 0.5),
+        ppc=np.full(len(h), 2),
+        outcomes=("completed",) * len(h) if outcomes is None else outcomes,
+        error={quantity: table.copy() for quantity in quantities},
+        reference={quantity: np.full((len(h), len(NORMS)), size) for quantity in quantities},
+    )
+
+
+def with_error(value, level=2, norm=1, quantity="v", source=None) -> Evidence:
+    source = evidence() if source is None else source
+    table = source.error[quantity].copy()
+    table[level, norm] = value
+    return dataclasses.replace(source, error={**source.error, quantity: table})
+
+
+def accepted(of: Evidence | None = None, path="unused") -> Baseline:
+    baseline = Baseline(path, {}, [dict(ACCEPTED)])
+    baseline.updated(*SERIES, evidence() if of is None else of)
+    return baseline
+
+
+def verdict(baseline: Baseline, seen: Evidence) -> Verdict:
+    found, reason = baseline.judge(*SERIES, seen)
+    assert reason
+    return found
+
+
+def test_what_was_accepted_passes():
+    found, reason = accepted().judge(*SERIES, evidence())
+    assert found is Verdict.PASS
+    assert f"{len(H) * 2 * len(NORMS)} errors" in reason
+
+
+def test_a_constant_factor_fails_although_the_order_is_unchanged():
+    order = Order("u", "L2", 1.9, 2.1, "")
+    reasons = [judge(order, evidence(factor))[1] for factor in (1, 1.05)]
+    assert reasons[0] == reasons[1]
+    assert judge(order, evidence(1.05))[0] is Verdict.PASS
+    found, reason = accepted().judge(*SERIES, evidence(1.05))
+    assert found is Verdict.FAIL
+    assert "32 of 32 errors are worse" in reason
+
+
+@LIGHT
+@given(
+    st.sampled_from([1 + 1.5 * RELATIVE, 1.05, 2.0, 1e6]),
+    st.integers(0, len(H) - 1),
+    st.sampled_from(range(len(NORMS))),
+    st.sampled_from(["u", "v"]),
+)
+def test_one_error_that_got_worse_fails_and_is_named(factor, level, norm, quantity):
+    now = factor * evidence().error[quantity][level, norm]
+    found, reason = accepted().judge(*SERIES, with_error(now, level, norm, quantity))
+    assert found is Verdict.FAIL
+    assert reason.startswith(f"{quantity} {NORMS[norm]} at h={H[level]:g} ")
+    assert "(1 of 32 errors are worse)" in reason
+
+
+@LIGHT
+@given(st.sampled_from([0.0, 0.5, 1 - 1.5 * RELATIVE]), st.integers(0, len(H) - 1))
+def test_one_error_that_got_better_asks_to_be_explained_and_accepted(factor, level):
+    found, reason = accepted().judge(*SERIES, with_error(factor * evidence().error["v"][level, 1], level))
+    assert found is Verdict.INCONCLUSIVE
+    assert "accept the baseline" in reason
+
+
+def test_a_gain_never_outweighs_a_loss():
+    seen = with_error(0.0, level=0)
+    assert verdict(accepted(), with_error(1.0, level=3, source=seen)) is Verdict.FAIL
+
+
+@LIGHT
+@given(st.floats(1 - 0.5 * RELATIVE, 1 + 0.5 * RELATIVE))
+def test_the_last_digits_do_not_count(factor):
+    assert verdict(accepted(), evidence(factor)) is Verdict.PASS
+
+
+@LIGHT
+@given(st.floats(0, 9e-12), st.floats(0, 9e-12), st.sampled_from([0.0, 1e-3, 1.0, 1e6]))
+def test_round_off_relative_to_the_exact_norm_does_not_count(then, now, size):
+    """Absolutely where the exact norm is zero."""
+    unit = size or 1.0
+    baseline = accepted(with_error(then * unit, source=evidence(size=size)))
+    assert verdict(baseline, with_error(now * unit, source=evidence(size=size))) is Verdict.PASS
+    assert verdict(baseline, with_error(1e-9 * unit, source=evidence(size=size))) is Verdict.FAIL
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+@pytest.mark.parametrize("level", range(len(H)))
+@pytest.mark.parametrize("known", [True, False])
+def test_an_error_that_is_not_finite_is_an_error_known_or_not(bad, level, known):
+    baseline = accepted() if known else accepted(evidence(h=H[:1], quantities=("u",)))
+    assert verdict(baseline, with_error(bad, level)) is Verdict.ERROR
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_an_exact_norm_that_is_not_finite_excuses_nothing(bad):
+    seen = evidence(1.5)
+    seen.reference["u"][1, 1] = bad
+    assert verdict(accepted(), seen) is Verdict.ERROR
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_a_baseline_that_is_not_finite_excuses_nothing(bad):
+    assert verdict(accepted(with_error(bad)), evidence(1.5)) is Verdict.ERROR
+
+
+def test_a_run_that_did_not_complete_is_an_error_before_any_number():
+    outcomes = ("completed", "completed", "timed out", "completed")
+    found, reason = Baseline("unused").judge(*SERIES, evidence(outcomes=outcomes))
+    assert found is Verdict.ERROR
+    assert reason == "h=0.03125: timed out"
+
+
+@pytest.mark.parametrize(
+    ("known", "seen", "named"),
+    [
+        (evidence(h=H[:3]), evidence(), "h=0.015625"),
+        (evidence(quantities=("u",)), evidence(), "v L1"),
+        (evidence(), evidence(quantities=("u",)), "v L1"),
+        (evidence(h=H / 2), evidence(h=H), "h=0.125"),
+    ],
+)
+def test_what_one_side_lacks_is_named_and_decides_nothing(known, seen, named):
+    found, reason = accepted(known).judge(*SERIES, seen)
+    assert found is Verdict.INCONCLUSIVE
+    assert named in reason
+
+
+@pytest.mark.parametrize("other", [("x", "tg", "step", "nu_C=0.5"), ("bar", "x", "step", "nu_C=0.5"), (*SERIES[:3], "x")])
+def test_the_baseline_of_another_series_is_none(other):
+    assert accepted().judge(*other, evidence())[0] is Verdict.INCONCLUSIVE
+    assert Baseline("unused").judge(*SERIES, evidence())[0] is Verdict.INCONCLUSIVE
+
+
+def test_a_loss_is_a_loss_whatever_is_missing_beside_it():
+    assert verdict(accepted(evidence(h=H[:2])), evidence(1.05)) is Verdict.FAIL
+
+
+def test_fewer_levels_than_accepted_are_compared_alone():
+    assert verdict(accepted(), evidence(h=H[:2])) is Verdict.PASS
+    assert verdict(accepted(), evidence(1.05, h=H[:2])) is Verdict.FAIL
+
+
+@pytest.mark.parametrize("nothing", [evidence(quantities=()), evidence(h=H[:0])])
+def test_nothing_to_compare_is_no_pass(nothing):
+    assert verdict(accepted(nothing), nothing) is Verdict.INCONCLUSIVE
+
+
+@pytest.mark.parametrize("column", ["h", "courant", "ppc"])
+def test_a_level_is_known_by_all_that_discretises_it(column):
+    seen = evidence()
+    other = dataclasses.replace(seen, **{column: getattr(seen, column) * 3})
+    assert not {name for name, _ in levels(seen)} & {name for name, _ in levels(other)}
+
+
+def test_a_baseline_holds_its_own_numbers_and_not_the_arrays_that_it_was_made_of():
+    """Accepting must not tie the baseline to what is judged next: compared with itself everything passes."""
+    seen = evidence()
+    baseline = accepted(seen)
+    assert verdict(baseline, seen) is Verdict.PASS
+    for table in seen.error.values():
+        table *= 1.05
+    assert verdict(baseline, seen) is Verdict.FAIL
+
+
+def test_judging_changes_no_baseline():
+    baseline = accepted()
+    before = json.dumps(baseline.entries)
+    for factor in (1.05, 0.5, 1.0):
+        baseline.judge(*SERIES, evidence(factor))
+        baseline.judge("new", *SERIES[1:], evidence(factor))
+    assert json.dumps(baseline.entries) == before
+
+
+def test_accepting_one_series_leaves_the_others_and_its_other_levels():
+    baseline = accepted()
+    baseline.updated(*SERIES[:3], "nu_C=0.9", evidence(7))
+    baseline.updated(*SERIES, evidence(3, h=H[:1]))
+    assert baseline.judge(*SERIES[:3], "nu_C=0.9", evidence(7))[0] is Verdict.PASS
+    found, reason = baseline.judge(*SERIES, evidence(3))
+    assert found is Verdict.FAIL
+    assert "(24 of 32 errors are worse)" in reason
+
+
+# Files.
+
+
+@LIGHT
+@given(factor=st.floats(1e-14, 1e3))
+def test_a_baseline_reads_back_as_it_was_written(tmp_path_factory, factor):
+    path = tmp_path_factory.mktemp("baseline") / "baseline.json"
+    written = accepted(evidence(factor), path)
+    written.write()
+    read = read_baseline(path)
+    assert (read.entries, read.accepted, read.source) == (written.entries, written.accepted, written.source)
+    assert verdict(read, evidence(factor)) is Verdict.PASS
+    before = path.read_bytes()
+    read.write()
+    assert path.read_bytes() == before
+
+
+def test_the_source_says_who_accepted_what_last(tmp_path):
+    baseline = accepted()
+    baseline.accepted.append({"date": "2026-03-04", "commit": "def", "reason": "a better integrator"})
+    assert baseline.source == "baseline accepted on 2026-03-04: a better integrator"
+    assert read_baseline(tmp_path / "none.json").source == "no baseline"
+    assert read_baseline(tmp_path / "none.json").entries == {}
+
+
+def nested(value) -> dict:
+    return {"bar": {"tg": {"step | nu_C=0.5": {"h=1 nu_C=1 ppc=1": {"u L2": value}}}}}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{",
+        "null",
+        "[]",
+        "3",
+        '"errors"',
+        "{}",
+        '{"errors": {}}',
+        '{"accepted": []}',
+        '{"accepted": null, "errors": {}}',
+        '{"accepted": 1, "errors": {}}',
+        '{"accepted": ["who"], "errors": {}}',
+        '{"accepted": [{"date": "today"}], "errors": {}}',
+        '{"accepted": [], "errors": []}',
+        '{"accepted": [], "errors": {"bar": 1}}',
+        '{"accepted": [], "errors": {"bar": {"tg": {"step": [1, 2]}}}}',
+        *(
+            json.dumps({"accepted": [], "errors": nested(bad)})
+            for bad in (math.nan, math.inf, -1.0, "1", None, [1.0], {"a": 1})
+        ),
+        json.dumps({"accepted": [], "errors": nested(0)}).replace("0", "1" + "0" * 400),
+        b"\xff\xfe\x00",
+    ],
+)
+def test_a_damaged_or_foreign_file_is_refused_by_name(tmp_path, text):
+    path = tmp_path / "other.json"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(ResultsError, match=r"other\.json"):
+        read_baseline(path)
+
+
+def test_a_baseline_cut_short_is_refused(tmp_path):
+    path = tmp_path / "baseline.json"
+    accepted(path=path).write()
+    text = path.read_text()
+    for end in range(0, len(text) - 3, 97):
+        path.write_text(text[:end])
+        with pytest.raises(ResultsError):
+            read_baseline(path)
+
+
+def test_a_path_that_cannot_be_written_or_read_is_named(tmp_path):
+    for path in (tmp_path, tmp_path / "missing" / "baseline.json"):
+        with pytest.raises(ResultsError, match="--baseline"):
+            accepted(path=path).write()
+    with pytest.raises(ResultsError, match="--baseline"):
+        read_baseline(tmp_path)

@@ -1,0 +1,372 @@
+"""Command line: exit statuses, one sentence for what a user can mend, and nothing heavy before it is needed."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+from faulty_solvers import Scripted, study
+
+from mpmverify import cli, display, pool, studies
+from mpmverify.dataset.study import read_study
+from mpmverify.gate import Finding, Verdict
+
+STUDIES = {
+    "scripted": study(Scripted()),
+    "slow": study(Scripted(order=1.0), Scripted("unstable"), name="slow"),
+    "broken": study(Scripted("raises", below=0.04), name="broken"),
+}
+
+
+@pytest.fixture(autouse=True)
+def bench(monkeypatch):
+    """Scripted studies, solved in this process, without a report."""
+    monkeypatch.delenv("GITHUB_STEP_SUMMARY", raising=False)
+    monkeypatch.setattr(studies, "NAMES", tuple(STUDIES))
+    for name, declared in STUDIES.items():
+        monkeypatch.setitem(sys.modules, f"mpmverify.studies.{name}", SimpleNamespace(STUDY=declared))
+    monkeypatch.setattr(pool, "over_processes", lambda tasks, jobs, timeout: pool.inline(tasks))
+    monkeypatch.setattr(cli, "_render", lambda results, fresh=False: results.report / "index.html")
+
+
+def call(*arguments, **environment):
+    return CliRunner().invoke(cli.cli, [str(argument) for argument in arguments], env=environment)
+
+
+@pytest.fixture
+def out(tmp_path):
+    """Results folder with the scripted study, whose regression gate has no baseline yet."""
+    path = tmp_path / "results"
+    assert call("run", "scripted", "--out", path, "--baseline", tmp_path / "baseline.json").exit_code == 0
+    return path
+
+
+def contents(path):
+    return {file.relative_to(path): (file.read_bytes(), file.stat().st_mtime_ns) for file in path.rglob("*") if file.is_file()}
+
+
+# Help costs nothing.
+
+
+@pytest.mark.parametrize("command", [[], ["run"], ["gate"], ["report"], ["list"], ["baseline"], ["baseline", "accept"]])
+def test_every_command_has_help(command):
+    result = call(*command, "--help")
+    assert result.exit_code == 0
+    assert result.output.startswith("Usage: ")
+
+
+def test_help_imports_nothing_heavy():
+    program = (
+        "import sys; sys.argv = ['mpmverify', 'run', '--help']\n"
+        "try:\n    from mpmverify.cli import main; main()\n"
+        "finally:\n    print(sorted({name.partition('.')[0] for name in sys.modules}), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert "Exit status: 0 pass, 1 a gate failed, 2 usage" in " ".join(done.stdout.split())
+    loaded = done.stderr
+    assert "'click'" in loaded
+    assert not [name for name in ("numpy", "numba", "xarray", "scipy", "netCDF4", "rich", "jinja2") if f"'{name}'" in loaded]
+
+
+# Exit statuses, each for real.
+
+
+def test_exit_0_when_everything_holds(tmp_path):
+    result = call("run", "scripted", "--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
+    assert result.exit_code == 0
+    assert "3 runs solved, 0 already at hand." in result.output
+    assert f"Report: {tmp_path / 'r' / 'report' / 'index.html'}" in result.output.replace("\n", "")
+    assert "1 INCONCLUSIVE, 2 PASS." in result.output
+    assert "scripted: 3 runs" in result.stderr
+    again = call("run", "scripted", "--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
+    assert "0 runs solved, 3 already at hand." in again.output
+
+
+def test_exit_1_when_a_gate_fails(tmp_path):
+    where = ("--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
+    result = call("run", "slow", "--solver", "scripted-good", *where)
+    assert result.exit_code == 1
+    assert "order 1.000" in result.output
+    assert call("gate", *where).exit_code == 1
+
+
+def test_exit_3_when_a_run_erred_even_beside_a_failure(tmp_path):
+    where = ("--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
+    assert call("run", "broken", *where).exit_code == 3
+    assert call("gate", *where).exit_code == 3
+    assert call("run", "slow", *where).exit_code == 3
+    shown = call("gate", "broken", *where).output
+    assert "ZeroDivisionError: a mass of [/zero] at node 3" in " ".join(shown.split()), "text is not taken for markup"
+
+
+def test_exit_4_when_inconclusive_under_strict_alone(out, tmp_path):
+    where = ("--out", out, "--baseline", tmp_path / "baseline.json")
+    assert call("gate", *where).exit_code == 0
+    assert call("gate", "--strict", *where).exit_code == 4
+
+
+def test_an_interrupt_is_no_verdict(tmp_path, monkeypatch):
+    def interrupted(tasks, jobs, timeout):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pool, "over_processes", interrupted)
+    result = call("run", "scripted", "--out", tmp_path / "r")
+    assert result.exit_code == 130
+    assert result.stderr.strip() == "Interrupted: finished runs are kept, run again to go on."
+
+
+# What a user can mend: one sentence, exit status 2.
+
+
+def corrupt_run(out):
+    path = sorted((out / "runs").iterdir())[0]
+    path.write_bytes(path.read_bytes()[:1000])
+    (out / "scripted.nc").unlink()
+    return path
+
+
+def corrupt_study(out):
+    path = out / "scripted.nc"
+    path.write_bytes(path.read_bytes()[:1000])
+    return path
+
+
+def foreign_study(out):
+    path = out / "scripted.nc"
+    path.unlink()
+    xr.Dataset({"a": ("x", [1.0])}).to_netcdf(path)
+    return path
+
+
+def corrupt_verdicts(out):
+    path = out / "verdicts.json"
+    path.write_text('{"studies": {"scripted": 3}}')
+    return path
+
+
+def corrupt_baseline(out):
+    path = out.parent / "baseline.json"
+    path.write_text("[1, 2]")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("damage", "commands"),
+    [
+        (corrupt_run, ["run"]),
+        (corrupt_study, ["run", "gate", "baseline accept"]),
+        (foreign_study, ["run", "gate", "baseline accept"]),
+        (corrupt_verdicts, ["run"]),
+        (corrupt_baseline, ["run", "gate", "baseline accept"]),
+    ],
+)
+def test_a_damaged_file_is_named_and_left_alone(out, tmp_path, damage, commands):
+    path = damage(out)
+    before = path.read_bytes()
+    for command in commands:
+        reason = ["--reason", "why not"] if command == "baseline accept" else []
+        result = call(*command.split(), "scripted", "--out", out, "--baseline", tmp_path / "baseline.json", *reason)
+        assert_one_sentence(result, str(path))
+        assert path.read_bytes() == before
+
+
+def assert_one_sentence(result, *parts):
+    assert result.exit_code == 2, result.output
+    assert isinstance(result.exception, SystemExit)
+    lines = result.stderr.strip().splitlines()
+    assert len(lines) == 1, result.stderr
+    assert lines[0].startswith("Error: ")
+    for part in parts:
+        assert part in lines[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        ("frobnicate", "'frobnicate'"),
+        ("--frobnicate", "'--frobnicate'"),
+        ("run nowhere", "unknown study 'nowhere': choose from scripted, slow, broken"),
+        ("run scripted --solver magic", "unknown solver 'magic': choose from scripted-good"),
+        ("run scripted --solver scripted-unstable", "unknown solver 'scripted-unstable': choose from scripted-good"),
+        ("run --courant 0", "'--courant': must be positive and finite, not 0"),
+        ("run --courant -1", "'--courant': must be positive and finite, not -1"),
+        ("run --courant nan", "'--courant': must be positive and finite, not nan"),
+        ("run --courant inf", "'--courant': must be positive and finite, not inf"),
+        ("run --courant abc", "'--courant': 'abc' is not a valid float"),
+        ("run --timeout nan", "'--timeout': must be positive and finite, not nan"),
+        ("run --timeout 0", "'--timeout': must be positive and finite, not 0"),
+        ("run --jobs 0", "'--jobs': 0 is not in the range"),
+        ("run --jobs 1.5", "'--jobs': '1.5' is not a valid integer"),
+        ("run --tier huge", "'--tier': 'huge' is not one of 'quick', 'full'"),
+        ("gate --out EMPTY", "no results in 'EMPTY': run `mpmverify run --out EMPTY` first"),
+        ("gate slow --out EMPTY", "no results of 'slow' in 'EMPTY': run `mpmverify run slow --out EMPTY` first"),
+        ("gate --out FILE", "no results in 'FILE'"),
+        ("report --out EMPTY", "no results in 'EMPTY': run `mpmverify run --out EMPTY` first"),
+        ("baseline accept --out EMPTY --reason new", "no results in 'EMPTY'"),
+        ("baseline accept --out EMPTY", "'--reason'"),
+        ("run scripted --out FILE/results", "cannot write results to 'FILE/results' (Not a directory)"),
+        ("run scripted --out FILE", "cannot write results to 'FILE'"),
+        ("run scripted --out /proc/results", "cannot write results to '/proc/results'"),
+        ("run scripted --out EMPTY --baseline FOLDER", "'FOLDER' is not an mpmverify baseline"),
+    ],
+)
+def test_bad_input_gets_one_sentence(tmp_path, arguments, part):
+    places = {"EMPTY": tmp_path / "empty", "FILE": tmp_path / "file", "FOLDER": tmp_path}
+    places["FILE"].write_text("mine")
+    for name, path in places.items():
+        arguments, part = arguments.replace(name, str(path)), part.replace(name, str(path))
+    assert_one_sentence(call(*arguments.split()), part)
+    assert places["FILE"].read_text() == "mine"
+
+
+def test_a_baseline_needs_a_reason_that_says_something(out, tmp_path):
+    for reason in ("", "  "):
+        result = call("baseline", "accept", "--out", out, "--baseline", tmp_path / "b.json", "--reason", reason)
+        assert_one_sentence(result, "--reason must say why the errors may change")
+    assert not (tmp_path / "b.json").exists()
+
+
+@pytest.mark.parametrize("option", ["--junit", "--summary"])
+def test_a_gate_that_cannot_write_names_the_file(out, tmp_path, option):
+    for path in (tmp_path / "missing" / "file", out / "scripted.nc" / "file"):
+        assert_one_sentence(call("gate", "--out", out, option, path), f"cannot write '{path}' (")
+    assert_one_sentence(call("gate", "--out", out, option, tmp_path), str(tmp_path))
+
+
+def test_a_baseline_that_cannot_be_written_is_named(out):
+    path = out / "missing" / "baseline.json"
+    assert_one_sentence(call("baseline", "accept", "--out", out, "--baseline", path, "--reason", "new"), f"'{path}'")
+
+
+def test_unfinished_runs_are_no_baseline(tmp_path):
+    where = ("--out", tmp_path / "r", "--baseline", tmp_path / "b.json")
+    call("run", "broken", *where)
+    assert_one_sentence(
+        call("baseline", "accept", *where, "--reason", "new"), "broken/hill/scripted-raises", "did not complete"
+    )
+    assert not (tmp_path / "b.json").exists()
+
+
+# What the commands do.
+
+
+def test_list_names_every_study_case_and_solver():
+    result = call("list")
+    assert result.exit_code == 0
+    for name, declared in STUDIES.items():
+        assert f"{name}: {declared.title}" in result.output
+        for solver in declared.solver_names():
+            assert solver in result.output
+        for case in declared.cases:
+            assert case.name in result.output
+
+
+def test_solver_restricts_the_study(tmp_path):
+    result = call("run", "slow", "scripted", "--solver", "scripted-unstable", "--out", tmp_path, "--baseline", tmp_path / "b")
+    assert result.exit_code == 3
+    assert list(read_study(tmp_path / "slow.nc").children) == ["scripted-unstable"]
+    assert not (tmp_path / "scripted.nc").exists()
+
+
+def test_courant_changes_every_level(tmp_path):
+    result = call("run", "scripted", "--courant", "0.125", "--out", tmp_path, "--baseline", tmp_path / "b")
+    assert result.exit_code == 0
+    stored = read_study(tmp_path / "scripted.nc")["scripted-good"]
+    assert stored["courant"].values.tolist() == [0.125] * 3
+    assert (stored["dt"].values <= 0.125 * stored["h"].values * (1 + 1e-12)).all()
+    assert set(stored["refinement"].values.tolist()) == {"nu_C=0.125"}
+
+
+def test_no_cache_solves_again_and_tier_solves_more(out, tmp_path):
+    where = ("run", "scripted", "--out", out, "--baseline", tmp_path / "baseline.json")
+    assert "3 runs solved, 0 already" in call(*where, "--no-cache").output
+    assert "1 runs solved, 3 already" in call(*where, "--tier", "full").output
+
+
+def test_explain_prints_every_verdict_with_its_source(out, tmp_path):
+    result = call("gate", "--out", out, "--baseline", tmp_path / "baseline.json", "--explain")
+    assert result.output.count("PASS scripted/hill/scripted-good") == 2
+    assert result.output.count("expected by: made so") == 2
+
+
+def test_gate_changes_nothing_and_writes_its_summaries(out, tmp_path):
+    before = contents(out)
+    junit, summary = tmp_path / "junit.xml", tmp_path / "summary.md"
+    summary.write_text("# Of the job\n")
+    where = ("gate", "--out", out, "--baseline", tmp_path / "baseline.json", "--junit", junit)
+    assert call(*where, GITHUB_STEP_SUMMARY=str(summary)).exit_code == 0
+    assert contents(out) == before
+    suites = ElementTree.parse(junit).getroot()
+    assert len(suites.findall(".//testcase")) == 3
+    assert len(suites.findall(".//skipped")) == 1
+    assert suites.find(".//failure") is None
+    text = summary.read_text()
+    assert text.startswith("# Of the job\n## mpmverify: INCONCLUSIVE")
+    assert "| scripted-good | INCONCLUSIVE |" in text
+    call(*where, "--summary", summary)
+    assert summary.read_text().count("## mpmverify") == 2, "a summary is appended"
+    assert call(*where, GITHUB_STEP_SUMMARY="").exit_code == 0
+
+
+def test_gate_judges_what_is_stored_with_the_baseline_of_now(out, tmp_path):
+    where = ("--out", out, "--baseline", tmp_path / "baseline.json")
+    assert call("gate", "scripted", "scripted", *where).output.count("INCONCLUSIVE scripted/hill") == 1
+    assert call("baseline", "accept", *where, "--reason", " the first ").output.startswith("Accepted 1 series into")
+    body = json.loads((tmp_path / "baseline.json").read_text())
+    assert [entry["reason"] for entry in body["accepted"]] == ["the first"]
+    result = call("gate", "--strict", *where)
+    assert result.exit_code == 0
+    assert "3 PASS." in result.output
+
+    level = body["errors"]["scripted"]["scripted-good"]["hill | nu_C=0.5"]
+    for errors in level.values():
+        errors["u L2"] /= 1.5
+    (tmp_path / "baseline.json").write_text(json.dumps(body))
+    assert call("gate", *where).exit_code == 1
+
+
+# What is shown.
+
+
+def test_text_of_a_solver_is_not_taken_for_markup(capsys):
+    words = (
+        "study[b]",
+        "case",
+        "solver[red]",
+        "ladder",
+        "verification",
+        "criterion [/]",
+        Verdict.FAIL,
+        "list['a'] [bold]x",
+        "s",
+    )
+    display.show([Finding(*words)])
+    shown = capsys.readouterr().out
+    for word in ("study[b]", "solver[red]", "criterion [/]", "list['a'] [bold]x"):
+        assert word in shown
+
+
+def test_progress_is_plain_where_no_terminal_looks(capsys):
+    with display.Progress() as progress:
+        for done in range(3):
+            progress.update("scripted", done + 1, 3)
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err) == ("", "scripted: 3 runs\n")
+
+
+def test_the_installed_command_runs_a_study_and_its_report(tmp_path):
+    """The whole thread once, with worker processes and the real report."""
+    command = [sys.executable, "-m", "mpmverify", "run", "gehojerez-deck", "--jobs", "1", "--out", tmp_path / "r"]
+    environment = {name: value for name, value in os.environ.items() if name != "GITHUB_STEP_SUMMARY"}
+    done = subprocess.run([*command, "--courant", "0.5"], capture_output=True, text=True, check=False, env=environment)
+    assert done.returncode == 1, done.stderr
+    assert "Traceback" not in done.stderr
+    assert "2 runs solved, 0 already at hand." in done.stdout
+    page = Path(done.stdout.split("Report: ")[1].strip())
+    assert page.is_file()

@@ -1,0 +1,254 @@
+"""Keys of content: equal values share one, whatever runs where; every change of a value, its code or a library makes another."""
+
+import dataclasses
+import functools
+import math
+import os
+import subprocess
+import sys
+import types
+from enum import Enum
+from pathlib import Path
+
+import faulty_solvers
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmverify.dataset import content
+from mpmverify.dataset.content import digest
+from mpmverify.errors import UsageError
+from mpmverify.evaluation import run_key
+from mpmverify.exact.advection import Gaussian, PeriodicImages, advection
+from mpmverify.problem import Discretisation, Inflow, Outflow, Transport
+from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+
+PROBLEM = advection(Gaussian())
+LEVEL = Discretisation(h=0.125, courant=0.5)
+KEY = run_key(PROBLEM, TaylorGalerkin(), LEVEL)
+
+
+class Schedule(Enum):
+    USL = "usl"
+    USF = "usf"
+
+
+class Transfer(Enum):
+    USL = "usl"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"name": "another"},
+        {"upper": (2.0,)},
+        {"lower": (-1.0,)},
+        {"material": Transport(2.0)},
+        {"boundary": {"x-": Inflow(), "x+": Outflow()}},
+        {"end_time": math.nextafter(PROBLEM.problem.end_time, 2)},
+        {"initial": {"u": PeriodicImages(Gaussian(width=0.11))}},
+        {"body_force": faulty_solvers.transported},
+        {"outputs": 33},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_every_field_of_the_problem_changes_the_key(change):
+    other = dataclasses.replace(PROBLEM, problem=dataclasses.replace(PROBLEM.problem, **change))
+    assert run_key(other, TaylorGalerkin(), LEVEL) != KEY
+
+
+def test_no_field_of_the_problem_is_left_out_above():
+    cases = next(mark for mark in test_every_field_of_the_problem_changes_the_key.pytestmark if mark.name == "parametrize")
+    assert {name for change in cases.args[1] for name in change} == {f.name for f in dataclasses.fields(PROBLEM.problem)}
+
+
+def test_solver_and_discretisation_change_the_key():
+    keys = [KEY, run_key(PROBLEM, TaylorGalerkin(passes=3), LEVEL)]
+    keys += [
+        run_key(PROBLEM, TaylorGalerkin(), dataclasses.replace(LEVEL, **change))
+        for change in ({"h": 0.25}, {"courant": 0.4}, {"ppc": 2})
+    ]
+    assert len(set(keys)) == len(keys)
+
+
+def test_what_is_only_shown_or_compared_leaves_the_key():
+    assert run_key(dataclasses.replace(PROBLEM, exposes="something else"), TaylorGalerkin(), LEVEL) == KEY
+
+
+def test_the_order_of_a_mapping_is_no_content():
+    turned = dict(reversed(PROBLEM.problem.boundary.items()))
+    assert list(turned) != list(PROBLEM.problem.boundary)
+    other = dataclasses.replace(PROBLEM, problem=dataclasses.replace(PROBLEM.problem, boundary=turned))
+    assert run_key(other, TaylorGalerkin(), LEVEL) == KEY
+
+
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=4),
+    lambda inner: st.lists(inner, max_size=3).map(tuple) | st.dictionaries(st.text(max_size=3), inner, max_size=3),
+    max_leaves=6,
+)
+
+
+def exactly(value):
+    """Return a value that is equal for values of the same types and bits."""
+    if isinstance(value, dict):
+        return {name: exactly(entry) for name, entry in value.items()}
+    return tuple(map(exactly, value)) if isinstance(value, tuple) else (type(value), repr(value))
+
+
+@settings(max_examples=60, deadline=None)
+@given(values, values)
+def test_keys_are_equal_exactly_when_values_are(one, other):
+    assert (digest(one) == digest(other)) == (exactly(one) == exactly(other))
+
+
+def test_numbers_are_told_apart_by_type_and_sign():
+    assert len({digest(value) for value in (0, 0.0, -0.0, False, None, "0", "0.0", (0.0).hex(), math.nan, math.inf)}) == 10
+    assert digest(0.1 + 0.2) != digest(0.3)
+    assert digest(np.float64(0.5)) == digest(0.5)
+    assert digest((1, 2), 3) != digest((1, 2, 3)) != digest(1, (2, 3))
+
+
+def test_members_of_an_enumeration_are_told_apart_by_class_too():
+    assert len({digest(member) for member in (*Schedule, *Transfer, "usl")}) == 4
+
+
+def _closure():
+    captured = 2.0
+
+    def field(x):
+        return captured * x
+
+    return field
+
+
+NO_VALUES = {
+    "lambda": lambda x: x,
+    "closure": _closure(),
+    "partial": functools.partial(faulty_solvers.transported, error=0.0),
+    "bound method": Gaussian(width=0.3).__call__,
+    "class": Gaussian,
+    "array": np.zeros((30, 30)),
+    "numpy integer": np.int64(3),
+    "ufunc": np.sin,
+    "set": {1, 2},
+    "bytes": b"1",
+    "object": object(),
+    "mapping with numbers for names": {1: "a", "1": "b"},
+}
+
+
+@pytest.mark.parametrize("value", NO_VALUES.values(), ids=NO_VALUES.keys())
+def test_what_is_no_value_is_refused_in_one_line(value):
+    with pytest.raises(UsageError, match="has no content key: use numbers") as error:
+        digest({"field": (value,)})
+    assert "\n" not in str(error.value)
+    assert len(str(error.value)) < 250
+
+
+def test_a_class_without_source_is_refused():
+    """Its code could change and its runs would be taken for solved."""
+    module = types.ModuleType("typed_at_a_prompt")
+    exec("import dataclasses\n@dataclasses.dataclass(frozen=True)\nclass Made:\n    x: int = 1", module.__dict__)
+    with pytest.raises(UsageError, match="the source of module 'typed_at_a_prompt' cannot be found"):
+        digest(module.Made())
+
+
+def test_a_function_is_keyed_by_its_name_and_module():
+    assert digest(faulty_solvers.study) != digest(faulty_solvers.plan)
+
+
+# Code: a package of a user on disk, keyed by a fresh process each time.
+
+PACKAGE = {
+    "__init__.py": "",
+    "scheme.py": "from dataclasses import dataclass\nfrom mine.kernels import flux\nfrom mpmverify.solvers.taylor_galerkin "
+    "import TaylorGalerkin\n\n@dataclass(frozen=True)\nclass Mine(TaylorGalerkin):\n    x: float = 1.0\n",
+    "kernels/__init__.py": "from .flux import flux\n",
+    "kernels/flux.py": "from . import constants\nflux = constants.C\n",
+    "kernels/constants.py": "C = 1\n",
+    "unrelated.py": "D = 1\n",
+}
+ASK = "import mine.scheme as s; from mpmverify.dataset.content import digest; print(digest(s.Mine()))"
+
+
+def key_in_a_fresh_process(folder: Path, program: str = ASK, **environment: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env=os.environ | {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"} | environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.strip()
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("package")
+    for name, source in PACKAGE.items():
+        path = folder / "mine" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(source)
+    return folder, key_in_a_fresh_process(folder)
+
+
+@pytest.mark.parametrize("module", ["scheme.py", "kernels/flux.py", "kernels/constants.py", "kernels/__init__.py"])
+def test_source_that_is_reached_by_imports_changes_the_key(package, module):
+    folder, key = package
+    path = folder / "mine" / module
+    source = path.read_text()
+    path.write_text(source + "# touched\n")
+    touched = key_in_a_fresh_process(folder)
+    path.write_text(source)
+    assert touched != key
+
+
+def test_source_that_is_not_reached_leaves_the_key_as_does_the_process(package):
+    folder, key = package
+    (folder / "mine" / "unrelated.py").write_text("D = 2\n")
+    assert key_in_a_fresh_process(folder, PYTHONHASHSEED="1") == key
+
+
+def test_a_solver_of_a_user_that_builds_on_ours_is_keyed_by_our_code_too(package, monkeypatch):
+    folder, _ = package
+    monkeypatch.syspath_prepend(folder)
+    reached = content.import_closure({"mine.scheme"})
+    assert {"mine.scheme", "mine.kernels", "mine.kernels.flux", "mine.kernels.constants"} <= reached
+    assert {"mpmverify.solvers.taylor_galerkin.kernel", "mpmverify.problem"} <= reached
+    assert "mine.unrelated" not in reached
+
+
+def test_a_solver_is_not_keyed_by_the_answer_or_the_harness():
+    reached = content.import_closure({TaylorGalerkin.__module__})
+    assert "mpmverify.solution" in reached
+    assert not {name for name in reached if name.startswith(("mpmverify.exact", "mpmverify.studies", "mpmverify.gate"))}
+
+
+def test_a_run_has_the_same_key_in_another_process():
+    program = (
+        "from mpmverify.evaluation import run_key; from mpmverify.exact.advection import *; from mpmverify.problem import *;"
+        "from mpmverify.solvers.taylor_galerkin import TaylorGalerkin;"
+        "print(run_key(advection(Gaussian()), TaylorGalerkin(), Discretisation(h=0.125, courant=0.5)))"
+    )
+    assert key_in_a_fresh_process(Path(), program, PYTHONHASHSEED="4242") == KEY
+
+
+@pytest.mark.parametrize("library", [*content.NUMERICAL_LIBRARIES, "python", "machine"])
+def test_the_version_of_a_numerical_library_changes_the_key(monkeypatch, library):
+    versions = content.library_versions()
+    assert library in versions
+    monkeypatch.setattr(content, "library_versions", lambda: versions | {library: "99.9"})
+    changed = digest(PROBLEM.problem)
+    monkeypatch.undo()
+    assert changed != digest(PROBLEM.problem)
+
+
+def test_the_digest_of_a_file_is_that_of_its_bytes(tmp_path):
+    path = tmp_path / "baseline.json"
+    absent = content.file_digest(path)
+    path.write_text("{}")
+    first = content.file_digest(path)
+    path.write_text("{} ")
+    assert len({absent, first, content.file_digest(path)}) == 3

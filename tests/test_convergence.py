@@ -1,0 +1,305 @@
+"""The analysis of an error series: exact on power laws, honest about noise, and able to tell one kind of series from another."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmverify.convergence import ROUND_OFF, Classification, analyse, fit_floor, fit_order, pairwise_orders
+from mpmverify.errors import UsageError
+
+LIGHT = settings(max_examples=25, deadline=None)
+HALVED = 2.0 ** -np.arange(8)
+
+
+@st.composite
+def ladders(draw, least=3, most=8):
+    """Distinct sizes (n,) at unequal ratios, coarsest first."""
+    ratios = draw(st.lists(st.floats(1.2, 4), min_size=least - 1, max_size=most - 1))
+    return draw(st.floats(1e-3, 1e3)) / np.cumprod([1.0, *ratios])
+
+
+ORDERS = st.floats(0.3, 4)
+CONSTANTS = st.floats(1e-3, 1e3)
+
+
+def power_law(h, order, finest=1e-8):
+    return finest * (h / h.min()) ** order
+
+
+@LIGHT
+@given(ladders(), ORDERS, st.randoms(use_true_random=False))
+def test_a_power_law_has_its_order_whatever_the_ratios_and_the_order_of_the_levels(h, order, random):
+    shuffled = random.sample(range(len(h)), len(h))
+    series = analyse(h[shuffled], power_law(h, order)[shuffled])
+    assert series.h.tolist() == sorted(h.tolist(), reverse=True)
+    np.testing.assert_allclose(series.pairwise, order, rtol=1e-9)
+    assert series.fit is not None
+    assert series.fit.order == pytest.approx(order, rel=1e-9)
+    assert series.fit.low - 1e-9 <= order <= series.fit.high + 1e-9
+    assert series.fit.constant * h[0] ** order == pytest.approx(power_law(h, order)[0], rel=1e-6)
+    assert series.classification is Classification.ASYMPTOTIC
+    assert series.kept.all()
+    assert series.dropped == ()
+
+
+def test_orders_are_those_of_the_sizes_and_not_of_the_indices():
+    """Ratios 4 and 2 of a first-order series: by index it would seem of order 1.5."""
+    series = analyse([0.125, 1.0, 0.25], [0.125, 1.0, 0.25])
+    np.testing.assert_allclose(series.pairwise, [1, 1])
+    assert series.fit is not None
+    assert series.fit.order == pytest.approx(1)
+
+
+@LIGHT
+@given(ladders(4), st.lists(st.floats(-1, 1), min_size=8, max_size=8), st.floats(1e-2, 1e2), st.floats(1e-3, 1e3))
+def test_neither_the_unit_of_the_error_nor_that_of_the_size_matters(h, scatter, error_unit, length_unit):
+    error = power_law(h, 1.5, finest=1e-6) * np.exp(scatter[: len(h)])
+    one, other = analyse(h, error), analyse(h * length_unit, error * error_unit)
+    assert one.fit is not None
+    assert other.fit is not None
+    np.testing.assert_allclose(other.pairwise, one.pairwise, rtol=1e-6, atol=1e-9)
+    np.testing.assert_array_equal(other.kept, one.kept)
+    assert other.classification is one.classification
+    np.testing.assert_allclose(
+        [other.fit.order, other.fit.low, other.fit.high], [one.fit.order, one.fit.low, one.fit.high], rtol=1e-6, atol=1e-8
+    )
+
+
+@LIGHT
+@given(ladders(1), st.lists(st.sampled_from([0.0, 1e-14, 1e-3, 0.2, 1.0, np.nan, np.inf]), min_size=8, max_size=8), st.data())
+def test_permuting_the_levels_changes_nothing(h, errors, data):
+    error = np.array(errors[: len(h)])
+    shuffled = data.draw(st.permutations(range(len(h))))
+    one, other = analyse(h, error), analyse(h[shuffled], error[shuffled])
+    np.testing.assert_array_equal(one.pairwise, other.pairwise)
+    np.testing.assert_array_equal(one.kept, other.kept)
+    assert (one.fit, one.floor, one.classification, one.dropped) == (
+        other.fit,
+        other.floor,
+        other.classification,
+        other.dropped,
+    )
+
+
+@LIGHT
+@given(ladders(1), st.lists(st.sampled_from([0.0, 1e-14, 1e-5, 1e-3, 0.2, 1.0, np.nan, np.inf]), min_size=8, max_size=8))
+def test_every_level_that_is_not_used_is_named_with_the_reason(h, errors):
+    series = analyse(h, np.array(errors[: len(h)]))
+    if series.classification is Classification.NON_FINITE:
+        assert not series.kept.any()
+        assert any("every level" in sentence for sentence in series.dropped)
+        bad = ~np.isfinite(series.error)
+    else:
+        bad = ~series.kept
+        assert len(series.dropped) == bad.sum()
+    for size in series.h[bad]:
+        assert any(sentence.startswith(f"h={size:g}: ") for sentence in series.dropped)
+
+
+@pytest.mark.parametrize(("levels", "noise"), [(3, 0.02), (5, 0.2), (8, 0.1)])
+def test_the_interval_covers_the_true_order_as_often_as_it_says(levels, noise):
+    """0.95 within three standard deviations of 800 draws; leaving out a start that fits badly may cost two points more."""
+    generator = np.random.default_rng(levels)
+    h = HALVED[:levels]
+    fitted = analysed = shortened = 0
+    for _ in range(800):
+        error = power_law(h, 2.0) * np.exp(noise * generator.standard_normal(levels))
+        fit, series = fit_order(h, error), analyse(h, error)
+        assert series.fit is not None
+        fitted += fit.low <= 2 <= fit.high
+        analysed += series.fit.low <= 2 <= series.fit.high
+        shortened += not series.kept.all()
+    assert 0.927 <= fitted / 800 <= 0.973
+    assert 0.907 <= analysed / 800 <= 0.973
+    assert shortened / 800 < 0.05
+
+
+def test_two_levels_give_an_order_without_an_interval():
+    fit = fit_order(np.array([1.0, 0.5]), np.array([1.0, 0.25]))
+    assert (fit.order, fit.low, fit.high) == (pytest.approx(2), -math.inf, math.inf)
+
+
+def test_a_straight_line_that_no_double_can_hold_still_has_a_slope():
+    fit = fit_order(np.array([1e-6, 5e-7, 2.5e-7]), np.array([1.0, 2.0**-76, 2.0**-152]))
+    assert fit.order == pytest.approx(76)
+    assert fit.constant == math.inf
+
+
+@LIGHT
+@given(
+    st.floats(1.0, 4),
+    st.floats(-8, -1).map(lambda exponent: 10**exponent),
+    CONSTANTS,
+    st.floats(1e-3, 1e3),
+    st.integers(5, 8),
+)
+def test_a_floor_is_recovered_with_the_order_above_it(order, floor, constant, unit, levels):
+    h = unit * HALVED[:levels]
+    error = floor + constant * floor * (h / h[levels // 2]) ** order
+    fit = fit_floor(h, error)
+    assert fit.floor == pytest.approx(floor, rel=0.02)
+    assert fit.order == pytest.approx(order, abs=0.02)
+    assert fit.constant * h[0] ** fit.order == pytest.approx(error[0] - floor, rel=0.02)
+    assert fit.residual < 1e-3
+
+
+@LIGHT
+@given(st.floats(1.0, 4), st.floats(1e-9, 1e-2), st.integers(5, 8))
+def test_a_series_that_ends_on_a_floor_is_told_so(order, floor, levels):
+    h = HALVED[:levels]
+    series = analyse(h, floor * (1 + (h / h[-3]) ** order))
+    assert series.classification is Classification.OTHER_FLOOR
+    assert series.floor is not None
+    assert series.floor.floor == pytest.approx(floor, rel=0.05)
+    assert series.floor.order == pytest.approx(order, abs=0.1)
+    assert series.kept.all()
+
+
+@pytest.mark.parametrize(
+    ("error", "kind"),
+    [
+        (HALVED**2, Classification.ASYMPTOTIC),
+        (HALVED[:3] ** 0.5, Classification.ASYMPTOTIC),
+        (np.full(6, 0.3), Classification.STAGNANT),
+        (0.3 * HALVED[:6] ** 0.1, Classification.STAGNANT),
+        (0.3 * HALVED[:6] ** -0.1, Classification.DIVERGENT),
+        (1e-3 / HALVED[:5], Classification.DIVERGENT),
+        (np.array([1e-1, 1e-2, 1e-3, 1e-4, 1e2]), Classification.DIVERGENT),
+        (np.array([0.4, 0.1, 0.05, 0.06, 0.12]), Classification.DIVERGENT),
+        (np.array([1.0, 0.2, 0.19, 0.04, 0.035]), Classification.PRE_ASYMPTOTIC),
+        (np.full(4, 1e-14), Classification.ROUND_OFF_FLOOR),
+        (np.zeros(4), Classification.ROUND_OFF_FLOOR),
+        (np.array([1e-5, 1e-11, 0.0]), Classification.ROUND_OFF_FLOOR),
+        (np.array([1.0, np.nan, 0.1, 0.05]), Classification.NON_FINITE),
+        (np.array([np.inf, 0.1, 0.05]), Classification.NON_FINITE),
+        (np.array([np.nan]), Classification.NON_FINITE),
+        (np.array([1.0, 0.25]), Classification.TOO_SHORT),
+        (np.array([0.25]), Classification.TOO_SHORT),
+    ],
+)
+def test_kinds_of_series(error, kind):
+    assert analyse(HALVED[: len(error)], error).classification is kind
+
+
+@pytest.mark.parametrize("rate", [0.8, 3.0])
+def test_superconvergence_is_relative_to_what_is_expected(rate):
+    error = HALVED**rate
+    assert analyse(HALVED, error).classification is Classification.ASYMPTOTIC
+    above = analyse(HALVED, error, expected=(rate - 0.5, rate - 0.2)).classification
+    assert above is Classification.SUPERCONVERGENT
+    assert analyse(HALVED, error, expected=(rate - 0.5, rate + 0.2)).classification is Classification.ASYMPTOTIC
+
+
+def test_a_start_that_is_not_asymptotic_is_left_out_and_named():
+    error = HALVED**2
+    error[:2] = [0.3, 0.22]
+    series = analyse(HALVED, error)
+    assert series.kept.tolist() == [False, False] + [True] * 6
+    assert [sentence.split(":")[0] for sentence in series.dropped] == ["h=1", "h=0.5"]
+    assert all("pre-asymptotic" in sentence for sentence in series.dropped)
+    assert series.fit is not None
+    assert series.fit.order == pytest.approx(2)
+
+
+def test_no_level_is_left_out_for_its_last_digits():
+    for relative in (1e-15, 1e-9, 1e-4):
+        assert analyse(HALVED, HALVED**2 * (1 + relative * (HALVED == 1))).kept.all()
+
+
+@LIGHT
+@given(ladders(), st.lists(st.floats(-3, 3), min_size=8, max_size=8))
+def test_a_level_above_round_off_is_only_left_out_from_the_coarse_end_and_never_below_four(h, scatter):
+    series = analyse(h, np.maximum(np.exp(scatter[: len(h)]), 2 * ROUND_OFF))
+    kept = np.flatnonzero(series.kept)
+    assert kept[-1] == len(h) - 1
+    assert np.all(np.diff(kept) == 1)
+    assert len(kept) >= min(4, len(h))
+
+
+def test_levels_at_round_off_are_left_out_wherever_they_stand():
+    error = HALVED**4
+    error[[3, 7]] = [0.0, ROUND_OFF]
+    series = analyse(HALVED, error)
+    assert np.flatnonzero(~series.kept).tolist() == [3, 7]
+    assert all("round-off" in sentence for sentence in series.dropped)
+    assert analyse(HALVED, error, round_off=1e-30).kept[-1]
+
+
+def test_pairwise_orders_are_nan_where_an_error_is_zero_or_not_finite():
+    orders = pairwise_orders(HALVED[:6], np.array([1.0, 0.5, 0.0, 0.25, np.inf, 0.1]))
+    np.testing.assert_array_equal(np.isnan(orders), [False, True, True, True, True])
+    assert orders[0] == pytest.approx(1)
+
+
+def test_alternating_convergence_has_a_wide_interval():
+    """Odd and even levels of one order lie on two lines: no three of them may give a sharp order."""
+    for levels in (4, 5, 6):
+        error = HALVED[:levels] ** 2 * np.where(np.arange(levels) % 2, 1.0, 3.0)
+        fit = analyse(HALVED[:levels], error).fit
+        assert fit is not None
+        assert fit.high - fit.low > 1
+
+
+@LIGHT
+@given(ladders(2, 5), ORDERS, st.floats(0.05, 2), st.floats(0.01, 1))
+def test_the_finest_step_is_the_logarithm_by_which_it_leaves_the_band(h, order, width, beyond):
+    series = analyse(h, power_law(h, order))
+    step = math.log(h[-2] / h[-1])
+    assert series.finest_step(order - width, order + width) == 0
+    assert series.finest_step(order + beyond, order + beyond + width) == pytest.approx(-beyond * step)
+    assert series.finest_step(order - beyond - width, order - beyond) == pytest.approx(beyond * step)
+    assert series.finest_step(order, order + width, change=-beyond) == pytest.approx(-beyond * step)
+
+
+@pytest.mark.parametrize(
+    ("orders", "change", "lasts"),
+    [
+        ((2.0, 2.0, 2.0), 0.0, False),
+        ((2.0, 1.8, 1.9), 0.0, False),
+        ((2.0, 1.9, 1.7), -0.2, True),
+        ((2.0, 1.6, 1.5), -0.1, False),
+        ((1.0, 1.3, 1.6), 0.3, True),
+        ((2.0, 1.7), 0.0, False),
+    ],
+)
+def test_a_trend_of_the_order_shows_in_the_last_three(orders, change, lasts):
+    h = HALVED[: len(orders) + 1]
+    error = np.exp(-np.log(2) * np.cumsum([0.0, *orders]))
+    found = analyse(h, error).trend()
+    assert found[0] == pytest.approx(change, abs=1e-9)
+    if change:
+        assert found[1] is lasts
+
+
+@pytest.mark.parametrize(("last", "plunges"), [(0.0, True), (1e-13, True), (2.0**-14, False)])
+def test_an_error_that_is_suddenly_exact_plunges(last, plunges):
+    error = np.append(HALVED[:7] ** 2, last)
+    assert analyse(HALVED, error).plunges(2.2) is plunges
+
+
+def test_an_error_that_reaches_round_off_at_its_order_does_not_plunge():
+    series = analyse(HALVED[:6], 1e-2 * HALVED[:6] ** 8)
+    assert not series.kept.all()
+    assert not series.plunges(8.2)
+
+
+@pytest.mark.parametrize(
+    ("h", "error"),
+    [
+        ([], []),
+        ([1.0, 0.5], [1.0]),
+        ([[1.0, 0.5]], [[1.0, 0.5]]),
+        ([1.0, 0.5, 0.5], [1.0, 0.5, 0.2]),
+        ([1.0, 0.0], [1.0, 0.5]),
+        ([1.0, -0.5], [1.0, 0.5]),
+        ([1.0, math.nan], [1.0, 0.5]),
+        ([math.inf, 0.5], [1.0, 0.5]),
+        ([1.0, 0.5], [1.0, -0.5]),
+    ],
+)
+def test_series_that_cannot_mean_anything_are_refused(h, error):
+    with pytest.raises(UsageError):
+        analyse(h, error)

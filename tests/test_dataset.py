@@ -1,0 +1,467 @@
+"""Files of results: what is read back is what was written, by any tool; what is not ours is named and left alone."""
+
+import dataclasses
+import json
+import os
+import re
+import resource
+import signal
+import stat
+import subprocess
+import sys
+import time
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+from faulty_solvers import Scripted, ladder, plan, study, transported
+
+from mpmverify.baseline import Baseline
+from mpmverify.dataset.files import Results, check_ours, write_atomic
+from mpmverify.dataset.runs import read_run, write_run
+from mpmverify.dataset.study import build, read_study, solvers, write_study
+from mpmverify.dataset.tree import write_tree
+from mpmverify.dataset.verdicts import criteria, findings, judged, with_criteria
+from mpmverify.errors import ResultsError, UsageError
+from mpmverify.exact.advection import Gaussian, advection
+from mpmverify.gate import CRITERIA, Amplification, Balance, EnergyDrift, Exact, Order, Published, Stall
+from mpmverify.problem import Discretisation
+from mpmverify.runner import run
+from mpmverify.solution import Outcome, Status, Work
+from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+
+AWKWARD = np.array([-0.0, 5e-324, np.nan, np.inf, -np.inf, 1 / 3, 9.969209968386869e36, 1e308])
+"""Among them the fill value of netCDF."""
+
+
+def solution(**changes):
+    made = transported(advection(Gaussian()).problem, Discretisation(h=1 / len(AWKWARD), courant=0.5), 0.01)
+    return dataclasses.replace(made, **changes)
+
+
+def bits(arrays):
+    return {name: (values.shape, values.tobytes()) for name, values in arrays.items()}
+
+
+# One run.
+
+
+@pytest.mark.parametrize("cells", [8, 3000], ids=["plain", "compressed"])
+def test_a_run_is_read_back_bit_for_bit(tmp_path, cells):
+    made = transported(advection(Gaussian()).problem, Discretisation(h=1 / cells, courant=0.5), 0.01)
+    made.fields["u"].ravel()[: len(AWKWARD)] = AWKWARD
+    made = dataclasses.replace(
+        made, dt=1 / 3, work=Work(2**40, 2**50, 0.1 + 0.2), outcome=Outcome(Status.NON_FINITE, "at step 3, é")
+    )
+    write_run(tmp_path / "k.nc", "k", made, "title")
+    back = read_run(tmp_path / "k.nc", "k")
+    assert bits(back.arrays()) == bits(made.arrays())
+    assert (back.dt, back.work, back.outcome) == (made.dt, made.work, made.outcome)
+    assert list(back.fields) == list(made.fields)
+    assert list(back.histories) == list(made.histories)
+
+
+def test_a_run_without_detail_or_fields_is_read_back(tmp_path):
+    made = solution(fields={}, outcome=Outcome(Status.UNSTABLE))
+    write_run(tmp_path / "k.nc", "k", made, "title")
+    back = read_run(tmp_path / "k.nc", "k")
+    assert back.fields == {}
+    assert back.outcome == made.outcome
+
+
+def test_xarray_opens_a_run_with_units_on_every_variable(tmp_path):
+    write_run(tmp_path / "k.nc", "k", solution(), "title")
+    with xr.open_dataset(tmp_path / "k.nc") as dataset:
+        assert {name for name, values in dataset.variables.items() if not values.attrs.get("units")} == set()
+        assert {name for name, values in dataset.variables.items() if not values.attrs.get("long_name")} == set()
+        assert {values.dtype.kind for values in dataset.variables.values()} == {"f"}, "no time became a date"
+        assert dataset["u"].dims[:2] == ("time", "point")
+
+
+def test_a_run_of_another_key_is_refused(tmp_path):
+    write_run(tmp_path / "k.nc", "k", solution(), "title")
+    with pytest.raises(ResultsError, match=r"k\.nc' holds the run k: delete it"):
+        read_run(tmp_path / "k.nc", "another")
+
+
+def test_a_run_whose_variables_are_missing_is_damaged(tmp_path):
+    path = tmp_path / "k.nc"
+    write_run(path, "k", solution(), "title")
+    with netCDF4.Dataset(path, "a") as file:
+        file.renameVariable("weight", "wait")
+    with pytest.raises(ResultsError, match=re.escape(f"'{path}' is damaged: delete it")):
+        read_run(path, "k")
+
+
+# Whole or not at all.
+
+
+def test_a_writer_that_fails_leaves_nothing(tmp_path):
+    def write(temporary):
+        temporary.write_text("half")
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        write_atomic(tmp_path / "new" / "k.nc", write)
+    assert list((tmp_path / "new").iterdir()) == []
+
+
+def test_a_writer_that_fails_leaves_the_existing_file(tmp_path):
+    path = tmp_path / "k.nc"
+    write_run(path, "k", solution(), "title")
+    before = path.read_bytes()
+    with pytest.raises(KeyError):
+        write_run(path, "k", solution(histories={"mass": np.ones(3)}), "title")
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_readers_never_see_half_a_file(tmp_path):
+    path = tmp_path / "k.nc"
+
+    def write(temporary):
+        temporary.write_text("half")
+        assert not path.exists()
+        assert temporary.parent == path.parent, "a move within one file system is atomic"
+        assert Results(tmp_path).studies() == [], "what is being written is no study yet"
+        temporary.write_text("whole")
+
+    write_atomic(path, write)
+    assert path.read_text() == "whole"
+
+
+def test_what_a_killed_writer_leaves_is_no_study(tmp_path):
+    program = (
+        "import sys, time; from pathlib import Path; from mpmverify.dataset.files import write_atomic\n"
+        "def write(temporary):\n    temporary.write_text('half'); print('writing', flush=True); time.sleep(60)\n"
+        "write_atomic(Path(sys.argv[1]), write)"
+    )
+    process = subprocess.Popen([sys.executable, "-c", program, str(tmp_path / "s.nc")], stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    process.stdout.readline()
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    assert not (tmp_path / "s.nc").exists()
+    assert Results(tmp_path).studies() == []
+
+
+def test_a_result_is_as_readable_as_other_files(tmp_path):
+    (tmp_path / "other").write_text("")
+    write_run(tmp_path / "k.nc", "k", solution(), "title")
+    assert stat.S_IMODE((tmp_path / "k.nc").stat().st_mode) == stat.S_IMODE((tmp_path / "other").stat().st_mode)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs a limit on the size of files")
+def test_a_full_disk_is_named(tmp_path):
+    large = solution(fields={"u": np.random.default_rng(0).random((5, 8, 20000))})
+    path, said = tmp_path / "k.nc", tmp_path / "said"
+    said.touch()
+    child = os.fork()
+    if not child:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
+        try:
+            write_run(path, "k", large, "title")
+        except BaseException as error:
+            said.write_text(f"{type(error).__name__}: {error}")
+        os._exit(0)
+    os.waitpid(child, 0)
+    assert said.read_text().startswith(f"ResultsError: cannot write '{path}' (")
+    assert list(tmp_path.iterdir()) == [said]
+
+
+# Files that are not ours.
+
+
+def foreign(path):
+    xr.Dataset({"a": ("x", [1.0])}, attrs={"title": "somebody's work"}).to_netcdf(path)
+
+
+def truncated(path):
+    write_run(path, "k", solution(), "title")
+    path.write_bytes(path.read_bytes()[:3000])
+
+
+def of_the_other_kind(path):
+    write_run(path, "k", solution(), "title")
+    with netCDF4.Dataset(path, "a") as file:
+        file.mpmverify_kind = "neither"
+
+
+def of_another_schema(path):
+    write_run(path, "k", solution(), "title")
+    with netCDF4.Dataset(path, "a") as file:
+        file.mpmverify_kind, file.mpmverify_schema = path.stem, 99
+
+
+def of_no_schema(path):
+    with netCDF4.Dataset(path, "w") as file:
+        file.mpmverify_kind = path.stem
+
+
+def of_a_wordy_schema(path):
+    with netCDF4.Dataset(path, "w") as file:
+        file.mpmverify_kind, file.mpmverify_schema = path.stem, "latest"
+
+
+def empty(path):
+    path.write_bytes(b"")
+
+
+def a_text(path):
+    path.write_text("my notes")
+
+
+def a_folder(path):
+    path.mkdir()
+
+
+NOT_OURS = [foreign, truncated, of_the_other_kind, of_another_schema, of_no_schema, of_a_wordy_schema, empty, a_text, a_folder]
+
+
+@pytest.mark.parametrize("kind", ["run", "study"])
+@pytest.mark.parametrize("make", NOT_OURS)
+def test_a_file_that_is_not_ours_is_named_and_left_alone(tmp_path, make, kind):
+    path = tmp_path / f"{kind}.nc"
+    make(path)
+    before = path.read_bytes() if path.is_file() else b""
+    read = (lambda: read_run(path, "k")) if kind == "run" else (lambda: read_study(path))
+    write = (
+        (lambda: write_run(path, "k", solution(), "title"))
+        if kind == "run"
+        else (lambda: write_study(path, build(study(), "quick", "", [], {})))
+    )
+    for act in (read, write):
+        with pytest.raises(ResultsError) as error:
+            act()
+        assert str(path) in str(error.value)
+        assert "\n" not in str(error.value)
+    assert (path.read_bytes() if path.is_file() else b"") == before
+
+
+@pytest.mark.parametrize("kind", ["run", "study"])
+def test_a_missing_file_is_named(tmp_path, kind):
+    with pytest.raises(ResultsError, match=r"missing\.nc' does not exist: run `mpmverify run` first"):
+        check_ours(tmp_path / "missing.nc", kind)
+
+
+# One study.
+
+MIXED = study(Scripted("good"), Scripted("unstable", below=0.1), Scripted("raises", below=0.04), name="mixed")
+EXACT = study(TaylorGalerkin(), name="real")
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    return folder, {entry.study: entry for entry in run([MIXED, EXACT], plan(folder))}
+
+
+@pytest.fixture(scope="module", params=["mixed", "real"])
+def path(request, stored):
+    return stored[0] / f"{request.param}.nc"
+
+
+def test_xarray_opens_the_tree_and_every_group(path):
+    with xr.open_datatree(path) as tree:
+        for group in tree.groups:
+            with xr.open_dataset(path, group=group) as dataset:
+                mine = tree[group].to_dataset(inherit=False)
+                assert set(dataset.variables) == set(mine.variables)
+                xr.testing.assert_equal(dataset, mine)
+
+
+def test_a_tree_is_read_back_with_its_coordinates_texts_and_attributes(tmp_path):
+    texts = xr.Dataset(
+        {
+            "word": (("x", "y"), [["", "é"], ["a b ", "x" * 300]], {"long_name": "w"}),
+            "number": ("x", [1.5, np.nan], {"units": "m"}),
+        },
+        coords={"x": [3, 4], "mark": ("y", ["p", "q"]), "alone": ("z", ["r"]), "k": ("x", [1, 2], {"units": "1"})},
+        attrs={"title": "é", "count": 3},
+    )
+    nothing = xr.Dataset({"void": ("none", np.array([], dtype="U1")), "hollow": ("none", np.array([], dtype=float))})
+    made = xr.DataTree.from_dict({"/": texts, "/a": nothing, "/a/b": texts})
+    write_tree(tmp_path / "t.nc", made)
+    with xr.open_datatree(tmp_path / "t.nc") as back:
+        assert back.groups == made.groups
+        for group in made.groups:
+            one, other = made[group].to_dataset(inherit=False), back[group].to_dataset(inherit=False)
+            assert set(one.coords) == set(other.coords)
+            xr.testing.assert_identical(one, other)
+
+
+def test_a_file_may_be_open_many_times(stored):
+    """Strings of variable length kill the process here, inside the netCDF library."""
+    program = (
+        "import sys, xarray as xr; tree = xr.open_datatree(sys.argv[1])\n"
+        "for _ in range(3):\n    for group in tree.groups: xr.open_dataset(sys.argv[1], group=group)"
+    )
+    assert subprocess.run([sys.executable, "-c", program, stored[0] / "mixed.nc"], check=False).returncode == 0
+
+
+def test_every_solver_is_a_group_with_errors_by_level(stored):
+    with xr.open_datatree(stored[0] / "mixed.nc") as tree:
+        assert list(tree.children) == list(MIXED.solver_names())
+        for _, dataset in solvers(tree):
+            assert dataset["error"].dims == ("level", "quantity", "norm")
+            assert {"h", "dt", "courant", "ppc", "case", "refinement"} <= set(dataset["error"].coords)
+            np.testing.assert_array_equal(dataset["h"], [level.h for level in ladder().tier("quick")])
+            assert dataset["norm"].values.tolist() == ["L1", "L2", "Linf", "L2-max"]
+
+
+def test_the_stored_errors_are_those_of_the_scripted_solver(stored):
+    """It adds h^2 everywhere, which every norm of a unit interval measures."""
+    with xr.open_datatree(stored[0] / "mixed.nc") as tree:
+        good = tree["scripted-good"]
+        h = good["h"].values
+        for norm in good["norm"].values:
+            np.testing.assert_allclose(good["error_absolute"].sel(quantity="u", norm=norm), h**2, rtol=1e-12)
+        assert (good["error"] == good["error_absolute"] / good["exact_norm"]).all()
+        assert (good["run"] == [path.stem for path in map(Results(stored[0]).run, good["run"].values) if path.exists()]).all()
+
+
+def test_netcdf4_reads_the_same_numbers_and_texts(path):
+    with netCDF4.Dataset(path) as file, xr.open_datatree(path) as tree:
+        for name, group in file.groups.items():
+            for variable in ("error", "h", "outcome", "run", "verdict_reason"):
+                np.testing.assert_array_equal(np.ma.getdata(group[variable][...]), tree[name][variable].values)
+
+
+def test_every_numeric_variable_has_units(path):
+    """Norms have the unit of their quantity times that of the norm: a coordinate says which."""
+    with xr.open_datatree(path) as tree:
+        for node in tree.subtree:
+            dataset = node.to_dataset(inherit=False)
+            bare = {n for n, v in dataset.variables.items() if v.dtype.kind in "iufm" and not v.attrs.get("units")}
+            assert bare <= {"error_absolute", "exact_norm"}
+            for name in bare:
+                assert dataset[name].attrs["comment"] == "units: norm_units"
+                assert dataset["norm_units"].dims == ("quantity",)
+            assert not {n for n, v in dataset.variables.items() if v.dtype.kind in "mM"}, "no second became a date"
+
+
+ATTRIBUTES = ("title", "summary", "keywords", "source", "history", "date_created", "creator_name", "id")
+PROVENANCE = ("mpmverify_kind", "mpmverify_schema", "commit", "commit_state", "versions", "platform")
+
+
+def test_global_attributes_are_those_of_cf_and_acdd_with_provenance(path):
+    run_path = next((path.parent / "runs").iterdir())
+    for file, kind in ((path, "study"), (run_path, "run")):
+        attributes = check_ours(file, kind)
+        assert attributes["Conventions"] == "CF-1.11, ACDD-1.3"
+        assert [name for name in (*ATTRIBUTES, *PROVENANCE) if attributes.get(name) in (None, "")] == []
+        made = time.strptime(attributes["date_created"], "%Y-%m-%dT%H:%M:%SZ")
+        assert attributes["history"].startswith(attributes["date_created"])
+        assert abs(time.mktime(made) - time.mktime(time.gmtime())) < 3600
+        assert re.fullmatch(r"[0-9a-f]{40}|none", attributes["commit"])
+        assert attributes["commit_state"] in ("clean", "dirty", "installed")
+        versions = dict(entry.split(" ", 1) for entry in attributes["versions"].split(", "))
+        assert versions["numpy"] == np.__version__
+        assert versions["xarray"] == xr.__version__
+        assert {"python", "scipy", "numba", "scikit-fem", "netCDF4"} <= versions.keys()
+    assert check_ours(path, "study")["seeds"]
+
+
+def test_ragged_groups_add_up(path):
+    with xr.open_datatree(path) as tree:
+        assert any("snapshots" in node.children for node in tree.children.values())
+        for node in tree.children.values():
+            for name, child in node.children.items():
+                row = child["row_size"]
+                assert row.attrs["sample_dimension"] == "obs"
+                assert int(row.sum()) == child.sizes["obs"], name
+                assert (row > 0).all()
+                for values in child.dataset.variables.values():
+                    assert len(values.dims) == 1
+
+
+def test_snapshots_hold_the_profiles_of_the_runs(stored):
+    """Row by row, the difference of the profile and the exact one is the error that the solver made."""
+    with xr.open_datatree(stored[0] / "mixed.nc") as tree:
+        shots = tree["scripted-good/snapshots"].load()
+        ends = np.cumsum(shots["row_size"].values)
+        for end, size, h, t in zip(ends, shots["row_size"].values, shots["h"].values, shots["time"].values, strict=True):
+            row = shots.to_dataset().isel(obs=slice(end - size, end))
+            np.testing.assert_allclose(row["u"] - row["u_exact"], h**2, rtol=1e-9)
+            assert np.all(np.diff(row["reference"]) > 0)
+            assert 0 <= t <= MIXED.cases[0].problem.problem.end_time
+
+
+def test_judging_a_stored_study_reproduces_its_findings(stored, path):
+    tree = read_study(path)
+    known = findings(tree)
+    assert tuple(known) == stored[1][path.stem].findings
+    again = judged(tree, plan(stored[0]).baseline)
+    assert findings(again) == known
+    xr.testing.assert_identical(again, read_study(path))
+
+
+def test_every_series_is_judged_by_its_criteria_and_the_baseline(stored):
+    for declared in (MIXED, EXACT):
+        found = stored[1][declared.name].findings
+        for case, series in declared.series():
+            mine = [f for f in found if (f.case, f.solver) == (case.name, series.solver.name)]
+            assert [f.criterion for f in mine if f.gate == "verification"] == [c.title for c in series.criteria]
+            assert [f.gate for f in mine].count("regression") == 1
+
+
+CRITERION_OF_EACH_KIND = (
+    Order("u", "L2", 1.8, 2.2, 'a "source", é'),
+    Stall("u", "L1", 0.5, "s"),
+    Exact("u", "L2-max", 1e-12, "s"),
+    Published("u", "L2", ((1 / 8, 4.471e-3), (1 / 3, 0.1 + 0.2)), 3, "s"),
+    Balance("mass", "", "s"),
+    EnergyDrift(1.8, "s"),
+    Amplification(3, 1e-12, "s"),
+)
+
+
+def test_criteria_are_read_back_as_equal_values(tmp_path):
+    assert {type(criterion) for criterion in CRITERION_OF_EACH_KIND} >= set(CRITERIA.values()) - {
+        kind for kind in CRITERIA.values() if kind.__module__ != "mpmverify.gate"
+    }
+    declared = study(criteria=CRITERION_OF_EACH_KIND)
+    list(run([declared], plan(tmp_path)))
+    tree = read_study(tmp_path / "scripted.nc")
+    back = [entry for _, dataset in solvers(tree) for entry in criteria(dataset)]
+    assert back == [("hill", ladder().label, criterion) for criterion in CRITERION_OF_EACH_KIND]
+    assert len({criterion for _, _, criterion in back}) == len(CRITERION_OF_EACH_KIND), "values can be hashed"
+
+
+def test_a_criterion_of_another_version_is_named():
+    dataset = with_criteria(xr.Dataset(), [("hill", "nu_C=1", CRITERION_OF_EACH_KIND[0])])
+    stored = json.loads(dataset["criterion_json"].item()) | {"type": "Magic"}
+    dataset["criterion_json"] = ("criterion", [json.dumps(stored)])
+    with pytest.raises(UsageError, match="the criterion 'Magic' of 'hill' is unknown: choose from Order"):
+        criteria(dataset)
+
+
+def test_a_study_without_criteria_metrics_or_finished_runs_is_stored(tmp_path):
+    declared = study(Scripted("raises"), criteria=())
+    (entry,) = run([declared], plan(tmp_path))
+    tree = read_study(tmp_path / "scripted.nc")
+    assert tuple(findings(judged(tree, Baseline(tmp_path / "none")))) == entry.findings
+    assert [finding.gate for finding in entry.findings] == ["regression"]
+    assert tree["scripted-raises"]["error"].shape == (3, 0, 4)
+    with xr.open_datatree(tmp_path / "scripted.nc") as opened:
+        assert opened["scripted-raises"].sizes["level"] == 3
+
+
+def test_damage_inside_a_study_file_never_raises_anything_else(tmp_path, stored):
+    """Bytes are flipped here and there: the file is refused in one sentence, or the damage lies where nothing is read."""
+    sound = (stored[0] / "mixed.nc").read_bytes()
+    rng = np.random.default_rng(7)
+    refusals = []
+    for trial in range(24):
+        damaged = bytearray(sound)
+        for position in rng.integers(0, len(sound), 40):
+            damaged[position] ^= int(rng.integers(1, 256))
+        path = tmp_path / f"{trial}.nc"
+        path.write_bytes(damaged)
+        try:
+            judged(read_study(path), Baseline(tmp_path / "none"))
+        except (ResultsError, UsageError) as error:
+            refusals.append(str(error))
+    assert refusals
+    assert not any("\n" in refusal for refusal in refusals)

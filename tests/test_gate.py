@@ -1,0 +1,607 @@
+"""Verdicts: every criterion passes, fails, doubts and errs where it must; a wrong PASS is the worst thing that can happen."""
+
+import dataclasses
+import json
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmverify.exact.amplification import two_step_taylor_galerkin
+from mpmverify.gate import (
+    CRITERIA,
+    PLAUSIBLE,
+    Amplification,
+    Balance,
+    EnergyDrift,
+    Evidence,
+    Exact,
+    Finding,
+    Order,
+    Published,
+    Stall,
+    Verdict,
+    exit_status,
+    judge,
+    worst,
+)
+from mpmverify.norms import NORMS
+from mpmverify.problem import LinearElastic, Periodic, Problem, Traction, Transport
+from mpmverify.solution import Solution, Work
+
+LIGHT = settings(max_examples=25, deadline=None)
+H = 0.5 ** np.arange(3.0, 8.0)
+PASS, INCONCLUSIVE, FAIL, ERROR = Verdict.PASS, Verdict.INCONCLUSIVE, Verdict.FAIL, Verdict.ERROR
+ORDER = Order("u", "L2", 1.8, 2.2, "theory")
+PUBLISHED = Published("u", "L2", tuple((float(h), float(f"{3 * h**2:.2e}")) for h in H), 3, "paper")
+METRICS = ("momentum_defect", "mass_defect", "energy_drift", "amplification_defect", "amplification_modes")
+
+
+def series(error, h=H, *, reference=1.0, outcomes=None, quantity="u", metrics=None, **columns) -> Evidence:
+    """Evidence with the same error in every norm."""
+    error, h = np.asarray(error, dtype=float), np.asarray(h, dtype=float)
+    table = np.repeat(error[:, None], len(NORMS), axis=1)
+    size = np.broadcast_to(np.asarray(reference, dtype=float), h.shape)[:, None] * np.ones(len(NORMS))
+    values = {name: np.asarray(value, dtype=float) for name, value in (metrics or {}).items()}
+    one = np.ones(len(h))
+    columns = {"dt": h / 2, "courant": one / 2, "ppc": one.astype(int)} | columns
+    outcomes = ("completed",) * len(h) if outcomes is None else outcomes
+    return Evidence(h, outcomes=outcomes, error={quantity: table}, reference={quantity: size}, metrics=values, **columns)
+
+
+def falling(*orders) -> Evidence:
+    """Evidence of one observed order after the other, on halved sizes."""
+    steps = np.arange(len(orders) + 1.0)
+    return series(0.1 * 0.5 ** np.cumsum([0.0, *orders]), 0.5**steps)
+
+
+def measured(**metrics) -> Evidence:
+    return series(H**2, metrics=metrics)
+
+
+def verdict(criterion, evidence) -> Verdict:
+    found, reason = judge(criterion, evidence)
+    assert reason
+    return found
+
+
+# Every criterion, by what it must say of what.
+
+ONES = np.ones(5)
+EXAMPLES = [
+    (ORDER, series(3 * H**2), PASS),
+    (ORDER, series(3 * H**2 * (1 + 3 * H)), PASS),
+    (ORDER, series(3 * H), FAIL),
+    (ORDER, series(3 * H**3), FAIL),
+    (ORDER, series(3 * H**-2), FAIL),
+    (ORDER, series(np.full(5, 0.1)), FAIL),
+    (ORDER, series(1e-3 + 3 * H**4), FAIL),
+    (ORDER, series(0.1 * 2.0 ** (-76 * np.arange(5.0) / 10)), FAIL),
+    (ORDER, series(3 * H**2 * [1, 1, 1, 1, 1e4]), FAIL),
+    (ORDER, series(3 * H**2 * [1, 1.4, 0.8, 1.5, 0.9]), INCONCLUSIVE),
+    (ORDER, series(3 * H**1.8 * [1, 1.02, 0.99, 1.01, 1]), INCONCLUSIVE),
+    (ORDER, series(3 * H**2 * [1, 1, 1, 1, 0]), INCONCLUSIVE),
+    (ORDER, falling(2.1, 2.08, 2.0, 1.85, 1.7), INCONCLUSIVE),
+    (ORDER, falling(2.1, 2.08, 1.9, 1.85, 1.82), PASS),
+    (ORDER, series(3 * H[:2] ** 2, H[:2]), INCONCLUSIVE),
+    (ORDER, series([0.1], [0.1]), INCONCLUSIVE),
+    (ORDER, series(np.full(5, 1e-15)), INCONCLUSIVE),
+    (ORDER, series(np.zeros(5)), INCONCLUSIVE),
+    (ORDER, series([0.1, 1e-6, 1e-14, 1e-15, 0]), INCONCLUSIVE),
+    (ORDER, series(3 * H**2 * [1, 1, np.nan, 1, 1]), ERROR),
+    (Stall("u", "L2", 0.5, "theory"), series(0.1 + 3 * H**4), PASS),
+    (Stall("u", "L2", 0.5, "theory"), series(0.1 / H), PASS),
+    (Stall("u", "L2", 0.5, "theory"), series(3 * H**2), FAIL),
+    (Stall("u", "L2", 0.5, "theory"), series(np.full(5, 1e-15)), FAIL),
+    (Stall("u", "L2", 0.5, "theory"), series(np.zeros(5)), FAIL),
+    (Stall("u", "L2", 0.5, "theory"), series([0.9, 0.8, 0.7, 0.3, 0.29]), INCONCLUSIVE),
+    (Stall("u", "L2", 0.5, "theory"), series([0.1, 0.1], H[:2]), INCONCLUSIVE),
+    (Stall("u", "L2", 0.5, "theory"), series([np.inf, 0.1, 0.1, 0.1, 0.1]), ERROR),
+    (Exact("u", "L2", 1e-12, "theory"), series([1e-15], [0.1]), PASS),
+    (Exact("u", "L2", 1e-12, "theory"), series(1e-15 * ONES), PASS),
+    (Exact("u", "L2", 1e-12, "theory"), series([1e-15, 1e-15, 2e-12, 1e-15, 1e-15]), FAIL),
+    (Exact("u", "L2", 1e-12, "theory"), series([1e-15, np.nan], H[:2]), ERROR),
+    (Exact("u", "L2", 1e-12, "theory"), series([], []), ERROR),
+    (PUBLISHED, series(3 * H**2), PASS),
+    (PUBLISHED, series(3.05 * H**2), FAIL),
+    (PUBLISHED, series(3 * H**2 * [1, 1, 1, 1, 1.05]), FAIL),
+    (PUBLISHED, series(3 * H[:2] ** 2, H[:2]), INCONCLUSIVE),
+    (PUBLISHED, series(3 * H**2, H * 1.01), INCONCLUSIVE),
+    (PUBLISHED, series(3 * H**2 * [1, 1, 1, 1, np.nan]), ERROR),
+    (Balance("momentum", "impulse", "theory"), measured(momentum_defect=1e-15 * ONES), PASS),
+    (Balance("momentum", "impulse", "theory"), measured(momentum_defect=1e-11 * ONES), FAIL),
+    (Balance("momentum", "impulse", "theory"), measured(momentum_defect=[0, 0, 0, 0, np.nan]), ERROR),
+    (Balance("momentum", "impulse", "theory"), measured(momentum_defect=[0, 0, 0, 0, -1]), ERROR),
+    (Balance("momentum", "impulse", "theory"), measured(), ERROR),
+    (EnergyDrift(1.8, "theory"), measured(energy_drift=1e-13 * ONES), PASS),
+    (EnergyDrift(1.8, "theory"), measured(energy_drift=1e-2 * H**2), PASS),
+    (EnergyDrift(1.8, "theory"), measured(energy_drift=1e-2 * H**3), PASS),
+    (EnergyDrift(1.8, "theory"), measured(energy_drift=1e-2 * H), FAIL),
+    (EnergyDrift(0.7, "theory"), measured(energy_drift=1e-2 * ONES), FAIL),
+    (EnergyDrift(0.7, "theory"), measured(energy_drift=1e-4 + 1e2 * H**4), FAIL),
+    (EnergyDrift(1.8, "theory"), measured(energy_drift=1e-2 * H**2 * [1, 1.4, 0.8, 1.5, 0.9]), INCONCLUSIVE),
+    (EnergyDrift(1.8, "theory"), measured(energy_drift=[1e-3, 1e-4, 1e-13, 0, 0]), INCONCLUSIVE),
+    (EnergyDrift(1.8, "theory"), measured(energy_drift=1e-2 * H**2 * [1, 1, 1, 1, 0]), INCONCLUSIVE),
+    (EnergyDrift(1.8, "theory"), measured(energy_drift=[1, 1, 1, np.inf, 1]), ERROR),
+    (EnergyDrift(1.8, "theory"), measured(energy_drift=-1e-2 * ONES), ERROR),
+    (EnergyDrift(1.8, "theory"), measured(), ERROR),
+    (Amplification(1, 1e-12, "theory"), measured(amplification_defect=1e-14 * ONES, amplification_modes=ONES), PASS),
+    (Amplification(1, 1e-12, "theory"), measured(amplification_defect=1e-3 * ONES, amplification_modes=ONES), FAIL),
+    (Amplification(1, 1e-12, "theory"), measured(amplification_defect=0 * ONES, amplification_modes=0 * ONES), ERROR),
+    (Amplification(1, 1e-12, "theory"), measured(amplification_defect=1e-14 * ONES), ERROR),
+    (Amplification(1, 1e-12, "theory"), measured(), ERROR),
+]
+
+
+@pytest.mark.parametrize(("criterion", "evidence", "expected"), EXAMPLES)
+def test_examples(criterion, evidence, expected):
+    assert verdict(criterion, evidence) is expected
+
+
+@pytest.mark.parametrize(("criterion", "evidence", "expected"), EXAMPLES)
+def test_criteria_survive_the_file_with_the_same_verdict(criterion, evidence, expected):
+    stored = json.loads(json.dumps({"type": type(criterion).__name__} | dataclasses.asdict(criterion)))
+    again = CRITERIA[stored.pop("type")](**stored)
+    assert again.title == criterion.title
+    assert again.source == "theory" or isinstance(criterion, Published)
+    assert judge(again, evidence) == judge(criterion, evidence)
+
+
+def test_every_criterion_has_an_example_of_every_verdict_that_it_can_give():
+    given_ = {(type(criterion), expected) for criterion, _, expected in EXAMPLES}
+    for kind in CRITERIA.values():
+        doubts = kind in (Order, Stall, Published, EnergyDrift)
+        assert {v for k, v in given_ if k is kind} == {PASS, FAIL, ERROR} | ({INCONCLUSIVE} if doubts else set())
+
+
+# What must never pass, with whatever numbers around it.
+
+CLEAN = dataclasses.replace(
+    series(3 * H**2),
+    metrics={name: np.full(5, 0.5 if name == "amplification_modes" else 1e-15) for name in METRICS},
+)
+JUDGED_BY = {
+    "error": (ORDER, Stall("u", "L2", 3.0, ""), Exact("u", "L2", 1.0, ""), PUBLISHED),
+    "momentum_defect": (Balance("momentum", "impulse", ""),),
+    "mass_defect": (Balance("mass", "", ""),),
+    "energy_drift": (EnergyDrift(1.8, ""),),
+    "amplification_defect": (Amplification(1, 1e-12, ""),),
+    "amplification_modes": (Amplification(1, 1e-12, ""),),
+}
+JUDGED_BY["reference"] = JUDGED_BY["error"]
+
+
+@pytest.mark.parametrize(("what", "criterion"), [(what, c) for what, several in JUDGED_BY.items() for c in several])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("levels", [{0}, {2}, {4}, {1, 3}, {0, 1, 2, 3, 4}])
+def test_what_is_not_a_number_never_passes_and_without_it_all_would(what, criterion, bad, levels):
+    assert verdict(criterion, CLEAN) is PASS
+    values = {"error": CLEAN.error["u"], "reference": CLEAN.reference["u"]}.get(what, CLEAN.metrics.get(what)).copy()
+    values[sorted(levels)] = bad
+    poisoned = {
+        "error": {"error": {"u": values}},
+        "reference": {"reference": {"u": values}},
+    }.get(what, {"metrics": {**CLEAN.metrics, what: values}})
+    assert verdict(criterion, dataclasses.replace(CLEAN, **poisoned)) is ERROR
+
+
+ANY_ERROR = st.one_of(st.floats(0, 1e6), st.sampled_from([0.0, 1e-15, 1e-12, 1e-3, 1.0, math.inf, math.nan]))
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(ANY_ERROR, min_size=1, max_size=6), st.floats(0.3, 4), st.floats(0.05, 0.5))
+def test_a_pass_stands_on_three_levels_that_converge(error, centre, half_width):
+    evidence = series(error, 0.5 ** np.arange(len(error)))
+    criterion = Order("u", "L2", centre - half_width, centre + half_width, "")
+    if verdict(criterion, evidence) is PASS:
+        usable = np.array(error)[np.array(error) > 1e-12]
+        assert np.all(np.isfinite(error))
+        assert len(usable) >= 3
+        assert usable[-1] < usable[0]
+        slope = np.polyfit(-np.arange(len(usable)), np.log2(usable), 1)[0]
+        assert slope > 0.25
+
+
+@LIGHT
+@given(
+    st.sampled_from(["negative", "stagnant", "implausible"]),
+    st.floats(0, 1),
+    st.sampled_from([(-math.inf, math.inf), (-5, 90), (-5, 1), (10, 90), (0, 0.25), (math.nan, math.nan), (-5, math.nan)]),
+    st.integers(3, 8),
+)
+def test_no_band_is_wide_enough_for_what_is_no_order(kind, position, band, levels):
+    low, high = {"negative": (-4, -0.01), "stagnant": (-0.2, 0.2), "implausible": (PLAUSIBLE + 0.1, 76)}[kind]
+    rate = low + position * (high - low)
+    h = 1.05 ** -np.arange(float(levels))
+    assert verdict(Order("u", "L2", *band, ""), series(0.5 * h**rate, h)) is not PASS
+
+
+@LIGHT
+@given(st.floats(PLAUSIBLE + 0.1, 76), st.integers(4, 8))
+def test_an_implausible_order_of_the_energy_drift_does_not_pass(rate, levels):
+    h = 1.03 ** -np.arange(float(levels))
+    assert verdict(EnergyDrift(1.8, ""), series(h, h, dt=h, metrics={"energy_drift": 0.1 * h**rate})) is FAIL
+
+
+@LIGHT
+@given(st.floats(1, 3), st.floats(0.02, 30), st.integers(4, 8))
+def test_a_series_that_has_come_to_a_floor_never_passes(order, share, levels):
+    """The floor is half of the finest error at least; whatever else is in it converges as it should."""
+    h = 0.5 ** np.arange(float(levels))
+    error = 1e-4 * (1 + share / (1 + share) * (h / h[-1]) ** order)
+    assert verdict(Order("u", "L2", order - 0.2, order + 0.2, ""), series(error, h)) is not PASS
+
+
+@LIGHT
+@given(
+    st.sampled_from([0.0, 1e-16, 1e-13]),
+    st.integers(1, 3),
+    st.floats(0.3, 4),
+    st.integers(3, 6),
+)
+def test_finer_levels_that_are_too_good_to_be_true_make_no_pass_and_are_named(error, extra, order, levels):
+    h = 0.5 ** np.arange(float(levels + extra))
+    clean = h[:levels] ** order
+    for criterion in (Order("u", "L2", order - 0.1, order + 0.1, ""), Order("u", "L2", order + 0.3, order + 0.5, "")):
+        before, _ = judge(criterion, series(clean, h[:levels]))
+        after, reason = judge(criterion, series(np.append(clean, np.full(extra, error)), h))
+        assert after is not PASS
+        assert after is FAIL or before is not FAIL
+        assert all(f"h={size:g}: at round-off" in reason for size in h[levels:])
+
+
+@LIGHT
+@given(st.sampled_from([ORDER, Stall("u", "L2", 0.5, ""), PUBLISHED, EnergyDrift(1.8, "")]), st.integers(1, 2))
+def test_an_order_needs_three_levels(criterion, levels):
+    h = H[:levels]
+    error = np.full(levels, 0.1) if isinstance(criterion, Stall) else 3 * h**2
+    assert verdict(criterion, series(error, h, metrics={"energy_drift": h**2})) is INCONCLUSIVE
+
+
+@pytest.mark.parametrize("criterion", [c for several in JUDGED_BY.values() for c in several])
+def test_a_run_that_did_not_complete_is_an_error_before_any_number(criterion):
+    outcomes = ("completed", "unstable: the energy grew", "completed", "timed out", "completed")
+    found, reason = judge(criterion, dataclasses.replace(CLEAN, outcomes=outcomes))
+    assert found is ERROR
+    assert "h=0.0625: unstable: the energy grew" in reason
+    assert "timed out" in reason
+
+
+@pytest.mark.parametrize("criterion", [c for several in JUDGED_BY.values() for c in several])
+def test_what_was_not_measured_is_an_error_that_names_it(criterion):
+    found, reason = judge(criterion, dataclasses.replace(CLEAN, error={}, reference={}, metrics={}))
+    assert found is ERROR
+    assert "was not measured" in reason
+
+
+@pytest.mark.parametrize("criterion", [c for several in JUDGED_BY.values() for c in several])
+def test_no_level_is_an_error(criterion):
+    empty = np.zeros(0)
+    table = np.zeros((0, len(NORMS)))
+    nothing = Evidence(empty, empty, empty, empty, (), {"u": table}, {"u": table}, dict.fromkeys(METRICS, empty))
+    assert judge(criterion, nothing)[0] is ERROR
+
+
+@LIGHT
+@given(st.permutations(range(5)), st.sampled_from(EXAMPLES))
+def test_the_order_in_which_levels_are_stored_does_not_matter(shuffled, example):
+    criterion, evidence, expected = example
+    if len(evidence.h) != 5:
+        return
+    k = list(shuffled)
+    other = Evidence(
+        *(getattr(evidence, name)[k] for name in ("h", "dt", "courant", "ppc")),
+        evidence.outcomes,
+        *({q: v[k] for q, v in getattr(evidence, name).items()} for name in ("error", "reference", "metrics")),
+    )
+    assert judge(criterion, other)[0] is expected
+
+
+# Random series of known kinds.
+
+
+def ladder(generator) -> np.ndarray:
+    levels = int(generator.integers(3, 9))
+    ratios = generator.uniform(1.3, 3, levels - 1) if generator.random() < 0.5 else np.full(levels - 1, 2.0)
+    return 10 ** generator.uniform(-3, 2) / np.cumprod([1.0, *ratios])
+
+
+SOUND = ("power law", "approached")
+UNSOUND = ("other order", "stagnant", "divergent", "turns up", "floor", "changes order", "blows up", "too good", "vanishes")
+
+
+def random_series(kind, low, high, generator):
+    """Sizes and errors of a series of some kind, in any order; the slowest term of an unsound one has taken over at its end.
+
+    It has by so much that the order at the finest level, noise apart, lies 0.3 below the band.
+    """
+    h = ladder(generator)
+    x, centre = h / h[-1], (low + high) / 2
+    inside = generator.uniform(low + (high - low) / 4, high - (high - low) / 4)
+    noise = generator.uniform(0, 0.02)
+
+    def with_tail(order, tail):
+        least = (order - (low - 0.3)) / (order - tail)
+        share = generator.uniform(max(0.5, min(0.99, least)), 1)
+        return (1 - share) * x**order + share * x**tail
+
+    if kind == "power law":
+        error = x**inside
+    elif kind == "approached":
+        power = generator.uniform(0.5, 3)
+        error = x**inside * np.abs(1 + generator.choice([-1, 1]) * generator.uniform(0, 0.25) * (x / x[-3]) ** power) + 1e-300
+    elif kind == "other order":
+        away = (high - low) / 2 + generator.uniform(0.3, 1.5)
+        error = x ** (centre - away if generator.random() < 0.5 and centre - away > 0 else centre + away)
+        noise *= 5
+    elif kind == "stagnant":
+        error = x ** generator.uniform(-0.2, 0.2)
+        noise *= 10
+    elif kind == "divergent":
+        error = x ** generator.uniform(-4, -0.3)
+        noise *= 5
+    elif kind == "turns up":
+        error = with_tail(inside, generator.uniform(-3, -0.3))
+    elif kind == "floor":
+        error = with_tail(inside + generator.choice([0, generator.uniform(0, 2)]), 0.0)
+    elif kind == "changes order":
+        error = with_tail(inside + generator.uniform(0, 1), max(0.05, low - generator.uniform(0.3, 1.5)))
+    else:
+        error = x**inside
+    error = error / error[-1] * 10 ** generator.uniform(-9, 0) * np.exp(noise * generator.standard_normal(len(h)))
+    error[-1] *= {"blows up": 10 ** generator.uniform(1, 6), "too good": 10 ** -generator.uniform(2, 8), "vanishes": 0}.get(
+        kind, 1
+    )
+    shuffled = generator.permutation(len(h))
+    return h[shuffled], error[shuffled]
+
+
+def tally(kinds, count, seed) -> Counter:
+    generator = np.random.default_rng(seed)
+    verdicts: Counter = Counter()
+    for k in range(count):
+        centre = generator.choice([0.5, 1, 1.5, 2, 3, 4])
+        half_width = generator.uniform(0.1, 0.15 if centre < 1 else 0.4)
+        low, high = centre - half_width, centre + half_width
+        h, error = random_series(kinds[k % len(kinds)], low, high, generator)
+        verdicts[judge(Order("u", "L2", low, high, ""), series(error, h))[0]] += 1
+    return verdicts
+
+
+def test_of_many_random_series_hardly_one_gets_a_wrong_pass():
+    verdicts = tally(UNSOUND, 2250, seed=1)
+    assert verdicts[PASS] < 0.001 * 2250
+    assert verdicts[FAIL] > 0.6 * 2250
+    assert verdicts[ERROR] == 0
+
+
+def test_of_many_random_series_hardly_one_gets_a_wrong_fail():
+    verdicts = tally(SOUND, 800, seed=2)
+    assert verdicts[FAIL] < 0.01 * 800
+    assert verdicts[ERROR] == 0
+    assert tally(SOUND[:1], 400, seed=3)[PASS] > 0.9 * 400
+
+
+# Evidence.
+
+
+@LIGHT
+@given(st.lists(st.floats(1e-6, 1e6), min_size=3, max_size=3), st.lists(st.floats(1e-6, 1e6), min_size=3, max_size=3))
+def test_errors_are_relative_to_the_exact_norm_and_absolute_where_it_vanishes(error, size):
+    size = [size[0], 0.0, size[2]]
+    found = series(error, H[:3], reference=size).relative("u", "L2")
+    np.testing.assert_allclose(found, [error[0] / size[0], error[1], error[2] / size[2]])
+
+
+def test_each_norm_and_quantity_is_judged_by_its_own_numbers():
+    table = np.ones((5, len(NORMS)))
+    table[:, NORMS.index("L2")] = H**2
+    evidence = dataclasses.replace(series(H), error={"u": table, "v": np.ones((5, len(NORMS)))})
+    assert verdict(ORDER, evidence) is PASS
+    assert verdict(dataclasses.replace(ORDER, norm="L1"), evidence) is FAIL
+    assert verdict(dataclasses.replace(ORDER, quantity="v"), dataclasses.replace(evidence, reference={"v": table})) is FAIL
+
+
+def test_drift_is_judged_in_the_time_step_and_not_in_the_cell_size():
+    evidence = series(H, dt=H**2, metrics={"energy_drift": 1e-2 * H**2})
+    assert verdict(EnergyDrift(1.8, ""), evidence) is FAIL
+    assert verdict(EnergyDrift(0.8, ""), evidence) is PASS
+
+
+def test_published_errors_are_absolute():
+    assert verdict(PUBLISHED, series(3 * H**2, reference=1e3)) is PASS
+
+
+@pytest.mark.parametrize("digits", [1, 2, 3, 4])
+def test_published_digits_agree_to_half_a_unit_of_the_last(digits):
+    values = ((0.5, 4.4712e-3), (0.25, 1.1334e-3), (0.125, 9.9999e-4))
+    theirs = np.array([value for _, value in values])
+    unit = np.array([1e-3, 1e-3, 1e-4]) * 10.0 ** (1 - digits)
+    criterion = Published("u", "L2", values, digits, "")
+    assert verdict(criterion, series(theirs + 0.49 * unit, H[:3] * 4)) is PASS
+    assert verdict(criterion, series(theirs - unit * [0.49, 0.49, 0.51], H[:3] * 4)) is FAIL
+
+
+def test_a_second_level_of_the_same_size_cannot_hide_behind_a_published_one():
+    h = np.append(H, H[0])
+    assert verdict(PUBLISHED, series(np.append(3 * H**2, 3 * H[0] ** 2), h)) is PASS
+    assert verdict(PUBLISHED, series(np.append(3 * H**2, 1.0), h)) is FAIL
+    assert verdict(PUBLISHED, series(np.insert(3 * H**2, 0, 1.0), np.insert(H, 0, H[0]))) is FAIL
+
+
+# What criteria measure on solutions.
+
+BAR = Problem("bar", (0.0,), (1.0,), LinearElastic(1.0, 1.0), {"x-": Traction(), "x+": Traction()}, 1.0)
+N = 11
+
+
+def histories(**changed) -> Solution:
+    """A spring of unit energy, at rest on average."""
+    time = np.linspace(0, 1, N)
+    table = {
+        "time": time,
+        "mass": np.full(N, 2.0),
+        "momentum": 3 + 0.5 * time,
+        "impulse": 0.5 * time,
+        "kinetic_energy": np.cos(time) ** 2,
+        "strain_energy": np.sin(time) ** 2,
+        "external_work": np.zeros(N),
+    } | changed
+    table = {name: values for name, values in table.items() if values is not None}
+    field = np.zeros((2, 1, 1))
+    return Solution(np.array([0.0, 1.0]), 0.1, np.zeros((1, 1)), field, field[..., 0], {}, table, Work())
+
+
+MOMENTUM, MASS, ENERGY = Balance("momentum", "impulse", ""), Balance("mass", "", ""), EnergyDrift(1.8, "")
+ROUND_OFF = 1e-14
+
+
+@pytest.mark.parametrize(
+    ("criterion", "metric"), [(MOMENTUM, "momentum_defect"), (MASS, "mass_defect"), (ENERGY, "energy_drift")]
+)
+def test_histories_that_balance_have_no_defect(criterion, metric):
+    assert criterion.measure(histories(), BAR) == {metric: pytest.approx(0, abs=ROUND_OFF)}
+
+
+@LIGHT
+@given(st.floats(-1, 1).filter(lambda loss: abs(loss) > 1e-9), st.integers(0, N - 1))
+def test_a_loss_at_any_time_is_measured_relative_to_what_there_is(loss, when):
+    kick = np.zeros(N)
+    kick[when] = loss
+    assert MASS.measure(histories(mass=2 + kick), BAR)["mass_defect"] == pytest.approx(abs(loss) / max(2, 2 + loss))
+    momentum = MOMENTUM.measure(histories(momentum=histories().histories["momentum"] + kick), BAR)["momentum_defect"]
+    assert abs(loss) / 5 < momentum < abs(loss) / 2.9
+    drift = ENERGY.measure(histories(external_work=kick), BAR)["energy_drift"]
+    assert drift == pytest.approx(abs(loss), rel=1e-6)
+
+
+def test_momentum_is_relative_to_the_momenta_that_cancel_in_it_and_mass_is_not():
+    """Two particles flying apart at a hundred times unit speed: the sum is zero to their round-off, the mass to its own."""
+    fast = {"momentum": np.zeros(N), "impulse": np.zeros(N), "kinetic_energy": np.full(N, 1e4)}
+    slip = np.append(np.zeros(N - 1), 1e-11)
+    assert MOMENTUM.measure(histories(**fast | {"momentum": slip}), BAR)["momentum_defect"] == pytest.approx(1e-11 / 200)
+    assert MASS.measure(histories(**fast | {"mass": 2 + slip}), BAR)["mass_defect"] == pytest.approx(0.5e-11, rel=1e-4)
+
+
+@LIGHT
+@given(
+    st.sampled_from([(MOMENTUM, "momentum"), (MOMENTUM, "impulse"), (MOMENTUM, "kinetic_energy"), (MOMENTUM, "mass")])
+    | st.sampled_from([(MASS, "mass"), (ENERGY, "kinetic_energy"), (ENERGY, "strain_energy"), (ENERGY, "external_work")]),
+    st.sampled_from([np.nan, np.inf]),
+    st.integers(0, N - 1),
+)
+@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
+def test_a_history_that_is_not_finite_measures_nothing_finite(which, bad, when):
+    criterion, name = which
+    values = histories().histories[name].copy()
+    values[when] = bad
+    (metric,) = criterion.measure(histories(**{name: values}), BAR).values()
+    assert not math.isfinite(metric)
+
+
+@pytest.mark.parametrize(
+    ("criterion", "missing"),
+    [(MOMENTUM, ("momentum", "impulse")), (MASS, ("mass",)), (ENERGY, ("kinetic_energy", "strain_energy", "external_work"))],
+)
+def test_what_a_solver_does_not_return_or_returns_as_zeros_is_not_measured(criterion, missing):
+    for name in missing:
+        assert criterion.measure(histories(**{name: None}), BAR) == {}
+    every = histories().histories
+    assert criterion.measure(histories(**{name: np.zeros(N) for name in every}), BAR) == {}
+    assert criterion.measure(histories(**{name: values[:1] for name, values in every.items()}), BAR) == {}
+
+
+def test_momentum_is_measured_without_mass_and_energy():
+    alone = histories(mass=None, kinetic_energy=None, momentum=np.linspace(1, 2, N))
+    assert MOMENTUM.measure(alone, BAR) == {"momentum_defect": pytest.approx(0.25)}
+
+
+def test_an_energy_of_the_wrong_sign_has_no_negative_drift():
+    wrong = histories(strain_energy=-5 * np.sin(histories().histories["time"]) ** 2 - 2)
+    assert ENERGY.measure(wrong, BAR)["energy_drift"] > 0.1
+
+
+# Amplification.
+
+CELLS, COURANT, STEPS = 16, 0.5, 12
+LOOP = Problem("loop", (0.0,), (1.0,), Transport(2.0), {"x-": Periodic(), "x+": Periodic()}, 1.0)
+
+
+def carried(passes, *, steps=STEPS, lag=0) -> Solution:
+    """What a scheme of the declared amplification factor makes of random data; an output every fourth step."""
+    start = np.random.default_rng(0).standard_normal(CELLS)
+    dt = COURANT / CELLS / 2.0
+    count = np.arange(0, steps + 1, 4)
+    factor = two_step_taylor_galerkin(2 * np.pi * np.arange(CELLS // 2 + 1) / CELLS, COURANT, passes)
+    u = np.fft.irfft(np.fft.rfft(start) * factor ** np.maximum(count - lag, 0)[:, None], CELLS, axis=1)
+    x = np.arange(CELLS)[:, None] / CELLS
+    weight = np.full((len(count), CELLS), 1 / CELLS)
+    return Solution(count * dt, dt, x, np.broadcast_to(x, (len(count), CELLS, 1)), weight, {"u": u[..., None]}, {}, Work())
+
+
+@pytest.mark.parametrize("passes", [1, 2, 5])
+def test_every_mode_follows_its_amplification_factor(passes):
+    found = Amplification(passes, 1e-12, "").measure(carried(passes), LOOP)
+    assert found["amplification_defect"] < 1e-12
+    assert found["amplification_modes"] == 1
+
+
+def test_another_scheme_or_a_lag_of_one_step_is_seen():
+    criterion = Amplification(1, 1e-12, "")
+    assert criterion.measure(carried(2), LOOP)["amplification_defect"] > 1e-2
+    assert criterion.measure(carried(1, lag=1), LOOP)["amplification_defect"] > 1e-2
+
+
+def test_amplification_measures_nothing_on_the_initial_data_alone_on_zeros_or_on_another_problem():
+    criterion, good = Amplification(1, 1e-12, ""), carried(1)
+    assert criterion.measure(carried(1, steps=0), LOOP) == {}
+    assert criterion.measure(dataclasses.replace(good, fields={"u": 0 * good.fields["u"]}), LOOP) == {}
+    assert criterion.measure(dataclasses.replace(good, fields={}), LOOP) == {}
+    assert criterion.measure(good, BAR) == {}
+
+
+@pytest.mark.parametrize("output", [0, 1, -1])
+def test_amplification_of_what_is_not_finite_is_not_finite(output):
+    good = carried(1)
+    u = good.fields["u"].copy()
+    u[output, 3] = np.nan
+    found = Amplification(1, 1e-12, "").measure(dataclasses.replace(good, fields={"u": u}), LOOP)
+    assert all(math.isnan(value) for value in found.values())
+
+
+# Verdicts together.
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "expected", "status", "strict"),
+    [
+        ([PASS], PASS, 0, 0),
+        ([PASS, PASS], PASS, 0, 0),
+        ([PASS, INCONCLUSIVE], INCONCLUSIVE, 0, 4),
+        ([INCONCLUSIVE, FAIL, PASS], FAIL, 1, 1),
+        ([FAIL] * 300, FAIL, 1, 1),
+        ([FAIL, ERROR, PASS], ERROR, 3, 3),
+        ([ERROR, INCONCLUSIVE], ERROR, 3, 3),
+        ([], INCONCLUSIVE, 0, 4),
+    ],
+)
+def test_the_worst_verdict_decides_the_exit_status(verdicts, expected, status, strict):
+    assert worst(verdicts) is expected
+    assert exit_status(verdicts) == status
+    assert exit_status(verdicts, strict=True) == strict
+
+
+@LIGHT
+@given(st.lists(st.sampled_from(list(Verdict)), min_size=1), st.sampled_from(list(Verdict)))
+def test_one_more_verdict_never_improves_the_worst(verdicts, another):
+    order = list(Verdict)
+    assert order.index(worst([*verdicts, another])) >= order.index(worst(verdicts))
+    assert worst(verdicts) in verdicts
+
+
+def test_a_finding_reads_as_one_sentence():
+    finding = Finding("bar", "step", "tg", "nu_C=0.5", "verification", "order", FAIL, "order 1.0", "theory")
+    assert str(finding) == "FAIL bar/step/tg (nu_C=0.5): order: order 1.0"

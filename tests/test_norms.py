@@ -1,0 +1,207 @@
+"""Norms: weighted as integrals are, norms in the mathematical sense, and poisoned by anything that is not a number."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from mpmverify.errors import UsageError
+from mpmverify.exact import ExactSolution
+from mpmverify.norms import NORMS, errors, l1, l2, linf, norms
+from mpmverify.solution import Solution, Work
+
+L1, L2, LINF, L2_MAX = (NORMS.index(name) for name in ("L1", "L2", "Linf", "L2-max"))
+LIGHT = settings(max_examples=25, deadline=None)
+SIZES = st.tuples(st.integers(1, 4), st.integers(1, 6), st.integers(1, 3))
+VALUES = st.floats(-1e6, 1e6).map(lambda value: round(value, 6))
+
+
+@st.composite
+def fields(draw, count=1):
+    """`count` fields (T, P, components) of one shape, and positive weights (T, P)."""
+    shape = draw(SIZES)
+    weight = draw(hnp.arrays(float, shape[:2], elements=st.floats(1e-3, 1e3)))
+    return *(draw(hnp.arrays(float, shape, elements=VALUES)) for _ in range(count)), weight
+
+
+def solution(values, *, weight=None, time=(0.0, 1.0), reference=None, quantity="u") -> Solution:
+    values = np.asarray(values, dtype=float)
+    reference = np.linspace(0, 1, values.shape[1])[:, None] if reference is None else reference
+    weight = np.ones(values.shape[:2]) if weight is None else weight
+    position = np.broadcast_to(reference, (len(time), *reference.shape))
+    return Solution(np.array(time), 0.1, reference, position, weight, {quantity: values}, {}, Work())
+
+
+def test_hand_computed_norms_of_two_vectors():
+    values = np.array([[[30.0, 40.0], [0.0, 0.0]], [[3.0, 4.0], [0.0, 12.0]]])
+    weight = np.array([[0.25, 1.0], [0.5, 2.0]])
+    expected = [0.5 * 5 + 2 * 12, np.sqrt(0.5 * 25 + 2 * 144), 12.0, np.sqrt(0.25 * 2500)]
+    np.testing.assert_allclose(norms(values, weight), expected, rtol=1e-15)
+
+
+@LIGHT
+@given(fields())
+def test_the_weight_is_a_measure_and_is_not_squared(data):
+    values, weight = data
+    halves = np.concatenate([weight, weight], axis=1) / 2
+    np.testing.assert_allclose(norms(np.concatenate([values, values], axis=1), halves), norms(values, weight), rtol=1e-12)
+    np.testing.assert_allclose(norms(values, 4 * weight), norms(values, weight) * [4, 2, 1, 2], rtol=1e-12)
+
+
+@LIGHT
+@given(
+    st.lists(st.integers(-9, 9), min_size=1, max_size=5),
+    st.floats(-5, 5).map(lambda left: round(left, 3)),
+    st.floats(0.1, 5).map(lambda width: round(width, 3)),
+)
+def test_gauss_weights_integrate_the_square_of_a_polynomial(coefficients, left, width):
+    polynomial = np.polynomial.Polynomial(coefficients)
+    points, weight = np.polynomial.legendre.leggauss(len(coefficients) + 1)
+    x, w = left + width * (points + 1) / 2, weight * width / 2
+    integral = (polynomial**2).integ()
+    terms = np.polynomial.Polynomial(np.abs(coefficients)) ** 2
+    round_off = 1e-13 * max(1.0, terms.integ()(abs(left) + width))
+    assert l2(polynomial(x)[None, :, None], w[None])[0] ** 2 == pytest.approx(
+        integral(left + width) - integral(left), rel=1e-9, abs=round_off
+    )
+
+
+@LIGHT
+@given(fields(), st.floats(-1e3, 1e3))
+def test_norms_are_homogeneous(data, factor):
+    values, weight = data
+    np.testing.assert_allclose(norms(factor * values, weight), abs(factor) * norms(values, weight), rtol=1e-9, atol=1e-150)
+
+
+@LIGHT
+@given(fields(count=2))
+def test_norms_satisfy_the_triangle_inequality(data):
+    a, b, weight = data
+    bound = norms(a, weight) + norms(b, weight)
+    assert np.all(norms(a + b, weight) <= bound * (1 + 1e-12) + 1e-150)
+
+
+@LIGHT
+@given(fields())
+def test_only_the_zero_field_has_a_zero_norm(data):
+    values, weight = data
+    assert np.all(norms(np.zeros_like(values), weight) == 0)
+    assert np.all((norms(values, weight) > 0)[[L1, L2, LINF]] == bool(np.any(values[-1])))
+
+
+@LIGHT
+@given(fields(), st.integers(0, 10**6))
+def test_norms_do_not_depend_on_the_order_of_the_points_nor_on_a_rotation_of_the_components(data, seed):
+    values, weight = data
+    generator = np.random.default_rng(seed)
+    shuffled = generator.permutation(values.shape[1])
+    rotation, _ = np.linalg.qr(generator.standard_normal((values.shape[2], values.shape[2])))
+    expected = norms(values, weight)
+    np.testing.assert_allclose(norms(values[:, shuffled], weight[:, shuffled]), expected, rtol=1e-10, atol=1e-150)
+    np.testing.assert_allclose(norms(values @ rotation, weight), expected, rtol=1e-9, atol=1e-9)
+
+
+@LIGHT
+@given(fields())
+def test_l2_max_is_the_largest_over_the_outputs_and_the_others_are_final(data):
+    values, weight = data
+    table = norms(values, weight)
+    assert table[L2_MAX] == l2(values, weight).max() >= table[L2]
+    np.testing.assert_array_equal(table[[L1, L2, LINF]], norms(values[-1:], weight[-1:])[[L1, L2, LINF]])
+
+
+@LIGHT
+@given(fields(), st.sampled_from([np.nan, np.inf, -np.inf]), st.data())
+def test_what_is_not_finite_at_the_end_poisons_every_norm(data, bad, draw):
+    values, weight = data
+    point, component = draw.draw(st.tuples(*(st.integers(0, size - 1) for size in values.shape[1:])))
+    values[-1, point, component] = bad
+    assert not np.any(np.isfinite(norms(values, weight)))
+
+
+@LIGHT
+@given(fields(), st.sampled_from([np.nan, np.inf]), st.data())
+def test_what_is_not_finite_at_any_output_poisons_the_largest(data, bad, draw):
+    values, weight = data
+    values[draw.draw(st.tuples(*(st.integers(0, size - 1) for size in values.shape)))] = bad
+    assert not np.isfinite(norms(values, weight)[L2_MAX])
+
+
+def test_nan_is_never_shadowed_by_a_larger_number():
+    values = np.array([[[1e100], [np.nan], [1e100]]])
+    assert np.isnan(linf(values)[0])
+    assert np.isnan(l1(values, np.ones((1, 3)))[0])
+
+
+@LIGHT
+@given(fields(), st.sampled_from([np.nan, np.inf, -1e-3, "zero"]), st.data())
+def test_weights_that_are_no_measure_poison_every_norm(data, bad, draw):
+    values, weight = data
+    time, point = draw.draw(st.tuples(*(st.integers(0, size - 1) for size in weight.shape)))
+    if bad == "zero":
+        weight[time] = 0
+    else:
+        weight[time, point] = bad
+    assert np.all(np.isnan(norms(values, weight)))
+
+
+def shifted(X, t):
+    """A travelling wave, (T, P, 1)."""
+    return np.sin(3 * X[None, :, :] - 2 * t[:, None, None])
+
+
+WAVE = ExactSolution({"u": shifted}, "")
+X = np.linspace(0, 1, 9)[:, None]
+T = np.array([0.0, 0.4, 1.0])
+
+
+def test_the_exact_field_has_no_error_and_its_norm_is_stored_beside_it():
+    weight = np.full((3, 9), 1 / 9)
+    error, size = errors(solution(shifted(X, T), time=T, reference=X, weight=weight), WAVE)["u"]
+    assert np.all(error == 0)
+    np.testing.assert_array_equal(size, norms(shifted(X, T), weight))
+
+
+def test_a_solution_that_lags_one_step_has_the_error_of_one_step():
+    step = 1e-6
+    weight = np.linspace(0.1, 2, 27).reshape(3, 9)
+    error, _ = errors(solution(shifted(X, T - step), time=T, reference=X, weight=weight), WAVE)["u"]
+    slope = 2 * np.cos(3 * X[None] - 2 * T[:, None, None])
+    np.testing.assert_allclose(error, step * norms(slope, weight), rtol=1e-5)
+
+
+def test_fields_are_compared_in_the_reference_position_wherever_the_points_have_moved():
+    moved = Solution(T, 0.1, X, shifted(X, T) + 7, np.ones((3, 9)), {"u": shifted(X, T)}, {}, Work())
+    assert np.all(errors(moved, WAVE)["u"][0] == 0)
+    elsewhere = solution(shifted(X, T), time=T, reference=X + 0.01)
+    assert np.all(errors(elsewhere, WAVE)["u"][0] > 0)
+
+
+def test_only_quantities_of_both_sides_are_compared():
+    both = ExactSolution({"u": shifted, "stress": shifted}, "")
+    assert set(errors(solution(shifted(X, T), time=T, reference=X), both)) == {"u"}
+    assert errors(solution(shifted(X, T), time=T, reference=X, quantity="velocity"), both) == {}
+
+
+@pytest.mark.parametrize(
+    ("values", "weight"),
+    [
+        (np.zeros((1, 9, 1)), None),
+        (np.zeros((3, 1, 1)), np.ones((3, 9))),
+        (np.zeros((3, 9, 2)), None),
+        (np.zeros((9, 9)), np.ones((3, 9))),
+        (np.zeros((3, 9, 1)), np.ones(9)),
+        (np.zeros((3, 9, 1)), np.ones((3, 1))),
+        (np.zeros((3, 9, 1)), np.ones((1, 9))),
+    ],
+)
+def test_a_shape_that_numpy_would_stretch_is_refused(values, weight):
+    with pytest.raises(UsageError, match="a solver must return"):
+        errors(solution(values, time=T, reference=X, weight=weight), WAVE)
+
+
+def test_a_solution_without_points_is_refused():
+    empty = solution(np.zeros((3, 0, 1)), time=T, reference=np.zeros((0, 1)))
+    with pytest.raises(UsageError, match="at least one point"):
+        errors(empty, WAVE)

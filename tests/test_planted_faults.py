@@ -1,0 +1,404 @@
+"""A wrong solver fails: a fault planted in a copy of a shipped solver turns a verdict of a study to FAIL or ERROR.
+
+A copy is compiled from its own files and stands for the original in a study, under the same name and with the same choices. The
+studies are reduced to the series of that solver, and judged by the runner with their own criteria.
+"""
+
+import dataclasses
+import importlib
+import shutil
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numba
+import pytest
+
+import mpmverify.solvers
+from mpmverify import evaluation, norms, studies
+from mpmverify.baseline import Baseline
+from mpmverify.dataset.files import Results
+from mpmverify.gate import Finding, Verdict
+from mpmverify.runner import Plan, run
+from mpmverify.solution import Solver
+from mpmverify.solvers.fem import FiniteElement
+from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+from mpmverify.study import Study
+
+FAMILIES: dict[type, str] = {MaterialPoint: "mpm", FiniteElement: "fem", TaylorGalerkin: "taylor_galerkin"}
+"""Where the copies of a solver class live."""
+LOOPS = {"mpm": ("kernels", "march"), "fem": ("kernel", "advance"), "taylor_galerkin": ("kernel", "march")}
+"""Module and name of each family's compiled time loop."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Trial:
+    """The series of one solver in one case of a study."""
+
+    study: str
+    case: str
+    solver: Solver
+
+    @property
+    def family(self) -> str:
+        return FAMILIES[type(self.solver)]
+
+    def with_solver(self, replacement: Solver) -> Study:
+        """Return the study reduced to this trial, with its criteria and its quick ladder, and with another solver."""
+        study = studies.get(self.study)
+        (case,) = (case for case in study.cases if case.name == self.case)
+        series = tuple(dataclasses.replace(s, solver=replacement) for s in case.series if s.solver == self.solver)
+        assert series, f"{self.study}/{self.case} does not run {self.solver.name}"
+        return dataclasses.replace(study, cases=(dataclasses.replace(case, series=series),))
+
+
+@dataclasses.dataclass(frozen=True)
+class Edit:
+    """One passage of a file below solvers/, which must stand there exactly so often, and what replaces it."""
+
+    file: str
+    old: str
+    new: str
+    count: int = 1
+
+
+@dataclasses.dataclass(frozen=True)
+class Kill:
+    """A trial, the verdict that a fault must provoke in it, and the beginning of the title of the criterion that gives it."""
+
+    trial: Trial
+    verdict: Verdict
+    criterion: str
+
+
+@dataclasses.dataclass(frozen=True)
+class Fault:
+    """A fault of one solver family, compiled once, and where it must be seen."""
+
+    name: str
+    edits: tuple[Edit, ...]
+    kills: tuple[Kill, ...]
+
+    @property
+    def id(self) -> str:
+        criteria = "-and-".join(f"{kill.verdict} {kill.criterion}" for kill in self.kills)
+        return f"{self.kills[0].trial.family}-{self.name}-by-{criteria}".replace(" ", "-")
+
+
+MPM_VIBRATION = Trial("axial-vibration", "small-strain", MaterialPoint("MUSL"))
+MPM_PULSE = Trial("elastic-bar", "pulse", MaterialPoint("MUSL"))
+MPM_NEO_HOOKEAN = Trial("manufactured-1d", "no-crossing", MaterialPoint("MUSL"))
+MPM_FINITE_STRAIN = Trial("manufactured-1d", "crossing", MaterialPoint("MUSL", formulation="total"))
+MPM_CROSSING = Trial("manufactured-1d", "crossing", MaterialPoint("MUSL", degree=2))
+TG_VIBRATION = Trial("axial-vibration", "literature", TaylorGalerkin(passes=1))
+TG_PULSE = Trial("elastic-bar", "pulse", TaylorGalerkin(passes=1))
+TG_STEP = Trial("advection", "step", TaylorGalerkin(passes=1))
+TG_SPECTRUM = Trial("advection", "spectrum", TaylorGalerkin(passes=3))
+TG_DECK = Trial("gehojerez-deck", "deck", TaylorGalerkin(passes=1))
+FEM_VIBRATION = Trial("axial-vibration", "literature", FiniteElement(1, "consistent", "newmark"))
+FEM_PULSE = Trial("elastic-bar", "pulse", FiniteElement(1, "lumped", "central-differences"))
+FEM_NEO_HOOKEAN = Trial("manufactured-1d", "no-crossing", FiniteElement(2, "consistent", "central-differences"))
+
+FAIL, ERROR = Verdict.FAIL, Verdict.ERROR
+MPM_LAW, MPM_LOOP, MPM_SOLVER = "mpm/laws.py", "mpm/kernels.py", "mpm/solver.py"
+MPM_TRACTION = "force[side] = (-1, 1)[side] * condition.value(levels)"
+MPM_LINEAR_STRESS = "return sigma + (lame + 2 * shear) * increment"
+MPM_NEO_HOOKEAN_STRESS = "return lame * log(F) / F + shear * (F - 1 / F)"
+MPM_TRANSFER = "scheme.flip * kicked + (1 - scheme.flip) * moved"
+TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
+TG_MODULUS = "-(material.lame_lambda + 2 * material.shear_modulus)"
+TG_FLUX = "                    R[i, k] -= dt * contour\n"
+TG_GAIN = "                    gain[n + 1, k] -= dt * contour\n"
+FEM_LOOP, FEM_SOLVER = "fem/kernel.py", "fem/solver.py"
+FEM_NEO_HOOKEAN_STRESS = "return lame * ln_F / F + shear * e * (2 + e) / F,"
+FEM_GAMMA = "        u += moved\n        v += {} * a\n", "        u += beta * dt * dt * a\n        v += {} * a\n"
+
+FAULTS = (
+    # Constitutive laws
+    Fault(
+        "linear-modulus-halved",
+        (Edit(MPM_LAW, MPM_LINEAR_STRESS, MPM_LINEAR_STRESS.replace("(lame", "0.5 * (lame")),),
+        (Kill(MPM_VIBRATION, FAIL, "energy drift"), Kill(MPM_PULSE, FAIL, "order of displacement")),
+    ),
+    Fault(
+        "linear-shear-modulus-halved",
+        (Edit(MPM_LAW, MPM_LINEAR_STRESS, MPM_LINEAR_STRESS.replace("2 * shear", "shear")),),
+        (Kill(MPM_VIBRATION, FAIL, "order of displacement"),),
+    ),
+    Fault(
+        "neo-hookean-mu-halved",
+        (Edit(MPM_LAW, MPM_NEO_HOOKEAN_STRESS, MPM_NEO_HOOKEAN_STRESS.replace("shear", "0.5 * shear")),),
+        (Kill(MPM_NEO_HOOKEAN, FAIL, "order of displacement"), Kill(MPM_FINITE_STRAIN, FAIL, "order of stress")),
+    ),
+    Fault(
+        "neo-hookean-lambda-and-mu-halved",
+        (Edit(MPM_LAW, MPM_NEO_HOOKEAN_STRESS, "return 0.5 * (lame * log(F) / F + shear * (F - 1 / F))"),),
+        (Kill(MPM_NEO_HOOKEAN, FAIL, "order of stress"), Kill(MPM_FINITE_STRAIN, FAIL, "order of displacement")),
+    ),
+    Fault(
+        "modulus-of-A-halved",
+        (Edit(TG_SOLVER, TG_MODULUS, TG_MODULUS.replace("-(", "-0.5 * (")),),
+        (Kill(TG_VIBRATION, FAIL, "order of stress"), Kill(TG_DECK, FAIL, "stress exact")),
+    ),
+    Fault(
+        "linear-modulus-halved",
+        (Edit(FEM_LOOP, "return (lame + 2 * shear) * e,", "return 0.5 * (lame + 2 * shear) * e,"),),
+        (Kill(FEM_PULSE, FAIL, "order of displacement"), Kill(FEM_VIBRATION, FAIL, "energy drift")),
+    ),
+    Fault(
+        "neo-hookean-mu-halved",
+        (Edit(FEM_LOOP, FEM_NEO_HOOKEAN_STRESS, FEM_NEO_HOOKEAN_STRESS.replace("shear", "0.5 * shear")),),
+        (Kill(FEM_NEO_HOOKEAN, FAIL, "order of displacement"),),
+    ),
+    # Material points
+    Fault(
+        "dt-dropped-from-strain-increment",
+        (Edit(MPM_LOOP, "increment = dt * gather(", "increment = gather("),),
+        (Kill(MPM_VIBRATION, ERROR, "order of displacement"), Kill(MPM_FINITE_STRAIN, ERROR, "order of stress")),
+    ),
+    Fault(
+        "internal-force-sign-flipped",
+        (
+            Edit(
+                MPM_LOOP, "nodes.internal, p, -volume * particles.stress[p]", "nodes.internal, p, volume * particles.stress[p]"
+            ),
+        ),
+        (Kill(MPM_VIBRATION, ERROR, "energy drift"), Kill(MPM_NEO_HOOKEAN, ERROR, "order of displacement")),
+    ),
+    Fault(
+        "condition-on-momentum-dropped",
+        (Edit(MPM_LOOP, "            nodes.velocity[i] = ends.velocity[side, n]\n", ""),),
+        (Kill(MPM_VIBRATION, FAIL, "order of displacement"), Kill(MPM_PULSE, FAIL, "order of velocity")),
+    ),
+    Fault(
+        "essential-conditions-dropped",
+        (Edit(MPM_SOLVER, "held = np.array([isinstance(condition, Velocity)", "held = np.array([False"),),
+        (Kill(MPM_PULSE, FAIL, "order of velocity"), Kill(MPM_VIBRATION, FAIL, "order of stress")),
+    ),
+    Fault(
+        "traction-sign-flipped",
+        (Edit(MPM_SOLVER, MPM_TRACTION, MPM_TRACTION.replace("(-1, 1)", "(1, -1)")),),
+        (Kill(MPM_PULSE, FAIL, "order of velocity"),),
+    ),
+    Fault(
+        "traction-one-step-late",
+        (Edit(MPM_LOOP, "+= ends.force[side, n]", "+= ends.force[side, max(n - 1, 0)]"),),
+        (Kill(MPM_PULSE, FAIL, "order of displacement"),),
+    ),
+    Fault(
+        "body-force-dropped",
+        (Edit(MPM_LOOP, "particles.mass[p] * body[row, p])", "0.0 * body[row, p])"),),
+        (Kill(MPM_FINITE_STRAIN, FAIL, "order of displacement"),),
+    ),
+    Fault(
+        "volume-not-updated",
+        (Edit(MPM_LOOP, "else particles.volume[p] * particles.F[p]", "else particles.volume[p]"),),
+        (Kill(MPM_CROSSING, FAIL, "order of displacement"),),
+    ),
+    Fault(
+        "flip-and-pic-swapped",
+        (Edit(MPM_LOOP, MPM_TRANSFER, "(1 - scheme.flip) * kicked + scheme.flip * moved"),),
+        (Kill(MPM_VIBRATION, FAIL, "momentum less impulse"),),
+    ),
+    # Taylor-Galerkin
+    Fault(
+        "boundary-flux-dropped",
+        (Edit(TG_LOOP, TG_FLUX, ""),),
+        (Kill(TG_VIBRATION, FAIL, "momentum less impulse"), Kill(TG_STEP, FAIL, "mass less inflow")),
+    ),
+    Fault(
+        "boundary-flux-and-its-account-dropped",
+        (Edit(TG_LOOP, TG_FLUX + TG_GAIN, "                    pass\n"),),
+        (Kill(TG_PULSE, FAIL, "order of stress"),),
+    ),
+    Fault(
+        "contour-normal-flipped",
+        (Edit(TG_LOOP, "contour = normal * dot(A[k], trace)", "contour = -normal * dot(A[k], trace)"),),
+        (Kill(TG_PULSE, FAIL, "order of velocity"),),
+    ),
+    Fault(
+        "dt-for-half-dt-in-predictor",
+        (Edit(TG_LOOP, "return U_k - 0.5 * dt * (", "return U_k - dt * ("),),
+        (Kill(TG_VIBRATION, FAIL, "order of velocity"), Kill(TG_SPECTRUM, FAIL, "amplification factor")),
+    ),
+    Fault(
+        "end-node-of-full-mass",
+        (Edit(TG_SOLVER, "mass[[0, -1]] = 0.5 * h", "pass"),),
+        (Kill(TG_DECK, FAIL, "velocity exact"),),
+    ),
+    # Finite elements
+    Fault(
+        "traction-sign-flipped",
+        (Edit(FEM_SOLVER, "normal * condition.value(t)", "-normal * condition.value(t)"),),
+        (Kill(FEM_PULSE, FAIL, "order of velocity"),),
+    ),
+    Fault(
+        "sign-of-beta-flipped-in-predictor",
+        (Edit(FEM_LOOP, "dt * dt * (0.5 - beta) * a", "dt * dt * (0.5 + beta) * a"),),
+        (Kill(FEM_VIBRATION, FAIL, "order of displacement"),),
+    ),
+    Fault(
+        "gamma-of-0.6",
+        tuple(
+            Edit(FEM_LOOP, text.format("dt / 2"), text.format(share))
+            for text, share in zip(FEM_GAMMA, ("0.4 * dt", "0.6 * dt"), strict=True)
+        ),
+        (Kill(FEM_VIBRATION, FAIL, "energy drift"), Kill(FEM_PULSE, FAIL, "order of velocity")),
+    ),
+    Fault(
+        "body-force-dropped",
+        (Edit(FEM_SOLVER, "(law.density * weight) @ values", "(0.0 * weight) @ values"),),
+        (Kill(FEM_NEO_HOOKEAN, FAIL, "order of stress"),),
+    ),
+)
+TRIALS = tuple(dict.fromkeys(kill.trial for fault in FAULTS for kill in fault.kills))
+
+Plant = Callable[[Sequence[Edit]], str]
+
+
+def plant(source: Path, target: Path, edits: Sequence[Edit]) -> None:
+    """Copy a file or folder without what was compiled from it, and make the edits."""
+    if source.is_dir():
+        shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
+    else:
+        shutil.copy(source, target)
+    for edit in edits:
+        path = target / edit.file
+        text = path.read_text(encoding="utf-8")
+        assert text.count(edit.old) == edit.count, f"{edit.file} holds {edit.old!r} {text.count(edit.old)} times"
+        path.write_text(text.replace(edit.old, edit.new), encoding="utf-8")
+
+
+@pytest.fixture
+def planted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Plant]:
+    """Plant edits in a copy of a source, by default of solvers/, and return the name under which it imports."""
+    name = f"planted_{tmp_path.name}"  # unique in the session: content keys and modules are remembered by name
+    root = tmp_path / "import"
+    root.mkdir()
+    monkeypatch.syspath_prepend(str(root))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")  # compiled code beside its source, wherever the environment wants it
+
+    def copy(edits: Sequence[Edit], source: Path = Path(mpmverify.solvers.__file__).parent) -> str:
+        plant(source, root / name if source.is_dir() else root / f"{name}.py", edits)
+        importlib.invalidate_caches()
+        return name
+
+    yield copy
+    for module in [module for module in sys.modules if module.partition(".")[0] == name]:
+        del sys.modules[module]
+
+
+def copied(package: str, solver: Solver) -> Solver:
+    """Return the same solver value, of the class in a planted package."""
+    module = importlib.import_module(f"{package}.{FAMILIES[type(solver)]}")
+    choices = {field.name: getattr(solver, field.name) for field in dataclasses.fields(solver)}  # type: ignore[arg-type]
+    value: Solver = getattr(module, type(solver).__name__)(**choices)
+    assert value.name == solver.name
+    assert type(value) is not type(solver)
+    return value
+
+
+def verification(study: Study, folder: Path) -> list[Finding]:
+    """Run a study in this process, without a baseline, and return what verification found."""
+    (judged,) = run([study], Plan(Results(folder / "results"), Baseline(folder / "baseline.json"), jobs=0))
+    assert judged.solved > 0
+    assert judged.reused == 0
+    return [finding for finding in judged.findings if finding.gate == "verification"]
+
+
+def assert_killed(findings: list[Finding], verdict: Verdict, criterion: str) -> None:
+    killers = [finding for finding in findings if finding.verdict in (FAIL, ERROR)]
+    found = "\n".join(map(str, findings))
+    assert any(killer.verdict is verdict and killer.criterion.startswith(criterion) for killer in killers), found
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.id)
+def test_a_wrong_solver_fails(fault: Fault, planted: Plant, tmp_path: Path) -> None:
+    package = planted(fault.edits)
+    for k, kill in enumerate(fault.kills):
+        findings = verification(kill.trial.with_solver(copied(package, kill.trial.solver)), tmp_path / str(k))
+        assert_killed(findings, kill.verdict, kill.criterion)
+
+
+@pytest.mark.parametrize("family", LOOPS)
+def test_an_unmodified_copy_passes_and_is_compiled_from_its_own_files(family: str, planted: Plant, tmp_path: Path) -> None:
+    package = planted(())
+    for k, trial in enumerate(trial for trial in TRIALS if trial.family == family):
+        findings = verification(trial.with_solver(copied(package, trial.solver)), tmp_path / str(k))
+        assert findings
+        assert {finding.verdict for finding in findings} == {Verdict.PASS}, "\n".join(map(str, findings))
+    module, loop = LOOPS[family]
+    compiled: Any = getattr(importlib.import_module(f"{package}.{family}.{module}"), loop)
+    assert tmp_path in Path(compiled.stats.cache_path).parents
+    assert compiled.stats.cache_misses
+    assert not compiled.stats.cache_hits
+
+
+def test_every_fault_of_a_solver_has_its_own_name() -> None:
+    assert len({fault.id for fault in FAULTS}) == len(FAULTS)
+
+
+# Faults of the bench itself: the shipped solvers are right, and the comparison is not.
+
+NORM_FAULTS = {
+    "exact-solution-one-step-late": (
+        Edit(
+            "", "closed_form(solution.reference, solution.time)", "closed_form(solution.reference, solution.time - solution.dt)"
+        ),
+        TG_VIBRATION,
+        "order of stress",
+    ),
+    "exact-solution-one-step-early": (
+        Edit(
+            "", "closed_form(solution.reference, solution.time)", "closed_form(solution.reference, solution.time + solution.dt)"
+        ),
+        MPM_VIBRATION,
+        "order of displacement",
+    ),
+    "weight-squared-in-L2": (
+        Edit("", "np.sqrt(np.sum(weight * np.sum(values**2", "np.sqrt(np.sum(weight**2 * np.sum(values**2"),
+        Trial("manufactured-1d", "published", MaterialPoint("MUSL", formulation="total", body_force_at="nodes")),
+        "published displacement errors",
+    ),
+}
+
+
+@pytest.mark.parametrize(("edit", "trial", "criterion"), NORM_FAULTS.values(), ids=NORM_FAULTS)
+def test_a_wrong_comparison_fails(
+    edit: Edit,
+    trial: Trial,
+    criterion: str,
+    planted: Any,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    module: ModuleType = importlib.import_module(planted((edit,), Path(norms.__file__)))
+    monkeypatch.setattr(evaluation, "errors", module.errors)
+    findings = verification(trial.with_solver(trial.solver), tmp_path)
+    assert_killed(findings, FAIL, criterion)
+
+
+@dataclasses.dataclass(frozen=True)
+class Late:
+    """A closed form that is late by a delay [s]."""
+
+    field: Callable[..., Any]
+    delay: float
+
+    def __call__(self, X: Any, t: Any) -> Any:
+        return self.field(X, t - self.delay)
+
+
+@pytest.mark.parametrize("trial", [TG_PULSE, MPM_PULSE, FEM_PULSE, FEM_NEO_HOOKEAN], ids=lambda t: f"{t.family}-{t.study}")
+def test_a_closed_form_that_is_late_by_the_finest_step_fails(trial: Trial, tmp_path: Path) -> None:
+    study = trial.with_solver(trial.solver)
+    (case,) = study.cases
+    (series,) = case.series
+    _, delay = series.refinement.tier("quick")[-1].time_steps(case.problem.problem)
+    fields = {quantity: Late(field, delay) for quantity, field in case.problem.exact.fields.items()}
+    problem = dataclasses.replace(case.problem, exact=dataclasses.replace(case.problem.exact, fields=fields))
+    study = dataclasses.replace(study, cases=(dataclasses.replace(case, problem=problem),))
+    assert_killed(verification(study, tmp_path), FAIL, "order of")

@@ -1,0 +1,165 @@
+"""Worker processes: whatever a run does to its process, its neighbours finish and nothing is left behind."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from faulty_solvers import Scripted, Unreadable, plan, study
+
+from mpmverify import pool
+from mpmverify.dataset.files import Results
+from mpmverify.errors import ResultsError, UsageError
+from mpmverify.runner import run, tasks_of
+
+TESTS = Path(__file__).parent
+pytestmark = pytest.mark.skipif(not shutil.which("ps"), reason="needs ps to see what processes are left")
+
+
+def children() -> set[int]:
+    """Processes, zombies too, that this one has started, but for the trackers of multiprocessing."""
+    listed = subprocess.run(["ps", "--ppid", str(os.getpid()), "-o", "pid=,args="], capture_output=True, text=True, check=False)
+    lines = [line.strip().split(None, 1) for line in listed.stdout.splitlines()]
+    return {int(pid) for pid, command in lines if "spawn_main" in command or "<defunct>" in command}
+
+
+@pytest.fixture(scope="module")
+def outcomes(tmp_path_factory):
+    """Outcome by solver of runs that kill their process, hang, raise, cannot travel or are good, over two processes."""
+    path = tmp_path_factory.mktemp("pool")
+    solvers = [Scripted(behaviour) for behaviour in ("dies", "hangs", "raises", "leaves", "good", "unstable")]
+    tasks = tasks_of(study(*solvers, Unreadable("nan"), levels=1), plan(path))
+    before = children()
+    started = time.monotonic()
+    found = {task.solver.name: evaluated for task, evaluated in pool.over_processes(tasks, 2, timeout=2.0)}
+    return path, tasks, found, time.monotonic() - started, children() - before
+
+
+def test_every_run_has_an_outcome(outcomes):
+    _, tasks, found, elapsed, _ = outcomes
+    assert found.keys() == {task.solver.name for task in tasks}
+    assert elapsed < 60, "nobody waited for the run that hangs"
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "outcome"),
+    [
+        ("dies", "crashed; the process died with exit status 3; "),
+        ("hangs", "timed out; no result within 2 s; the run exceeded its time limit: raise --timeout"),
+        ("raises", "crashed; ZeroDivisionError: a mass of [/zero] at node 3 ? (faulty_solvers.py:"),
+        ("leaves", "crashed; SystemExit: 7 (faulty_solvers.py:"),
+        ("nan", "crashed; ModuleNotFoundError: no module named 'nowhere'; "),
+        ("unstable", "unstable; at step 3; "),
+        ("good", "completed"),
+    ],
+)
+def test_the_outcome_says_what_happened(outcomes, behaviour, outcome):
+    assert outcomes[2][f"scripted-{behaviour}"].level.outcome.startswith(outcome)
+
+
+def test_only_what_came_to_an_end_is_stored(outcomes):
+    path, tasks, found, _, _ = outcomes
+    stored = {task.solver.name for task in tasks if Results(path).run(task.key).exists()}
+    assert stored == {"scripted-good", "scripted-unstable"}
+    assert [file for file in (path / "runs").iterdir() if file.name.startswith(".")] == []
+    assert all(evaluated.solved for evaluated in found.values())
+
+
+def test_no_process_is_left(outcomes):
+    assert outcomes[4] == set()
+
+
+def test_misuse_and_damaged_files_reach_the_caller_and_end_the_workers(tmp_path):
+    before = children()
+    tasks = tasks_of(study(Scripted("hangs"), Scripted(), levels=1), plan(tmp_path))
+    damaged = Results(tmp_path).run(tasks[1].key)
+    damaged.parent.mkdir(parents=True)
+    damaged.write_text("notes")
+    with pytest.raises(ResultsError, match=damaged.name):
+        list(pool.over_processes(tasks, 2, timeout=60.0))
+    assert children() == before
+    assert damaged.read_text() == "notes"
+
+
+def test_a_result_that_came_in_while_the_caller_was_busy_is_no_time_out(tmp_path):
+    tasks = tasks_of(study(Scripted("dawdles"), levels=4), plan(tmp_path))
+    outcomes = []
+    for _, evaluated in pool.over_processes(tasks, 2, timeout=0.9):
+        outcomes.append(evaluated.level.outcome)
+        time.sleep(1.0)
+    assert outcomes == ["completed"] * 4
+
+
+def test_an_abandoned_iteration_ends_the_workers(tmp_path):
+    before = children()
+    results = pool.over_processes(tasks_of(study(Scripted(), Scripted("hangs")), plan(tmp_path)), 1, timeout=60.0)
+    next(results)
+    assert children() > before
+    results.close()
+    assert children() == before
+
+
+def test_nothing_to_do_starts_no_process(tmp_path):
+    before = children()
+    assert list(pool.over_processes([], 4, timeout=1.0)) == []
+    assert children() == before
+
+
+INTERRUPTED = """
+import sys
+from pathlib import Path
+from faulty_solvers import Scripted, plan, study
+from mpmverify.runner import run
+
+def say(study, done, total):
+    print(done, flush=True)
+
+if __name__ == "__main__":
+    declared = study(Scripted("hangs", below=0.04), Scripted(below=0.0))
+    list(run([declared], plan(Path(sys.argv[1]), jobs=2, timeout=600.0), say))
+"""
+
+
+def test_an_interrupt_ends_the_workers_and_keeps_what_is_finished(tmp_path):
+    """As a terminal does it, to the whole group of processes."""
+    script = tmp_path / "interrupted.py"
+    script.write_text(INTERRUPTED)
+    process = subprocess.Popen(
+        [sys.executable, script, tmp_path / "results"],
+        env=os.environ | {"PYTHONPATH": str(TESTS)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    for line in process.stdout:
+        if int(line) == 5:  # what is left is the run that hangs
+            break
+    listed = subprocess.run(["ps", "-s", str(process.pid), "-o", "pid="], capture_output=True, text=True, check=True)
+    assert len(listed.stdout.split()) >= 3, "the parent and its workers"
+    os.killpg(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode != 0
+    assert "KeyboardInterrupt" in errors
+    assert errors.count("Traceback") == 1, "the workers are silent"
+    deadline = time.monotonic() + 10  # the tracker of multiprocessing ends a moment after its parent
+    while subprocess.run(["ps", "-s", str(process.pid), "-o", "pid="], capture_output=True, check=False).stdout.strip():
+        assert time.monotonic() < deadline, "a process was left"
+        time.sleep(0.05)
+
+    declared = study(Scripted("hangs", below=0.04), Scripted(below=0.0))
+    tasks = tasks_of(declared, plan(tmp_path / "results"))
+    stored = [task for task in tasks if Results(tmp_path / "results").run(task.key).exists()]
+    assert len(stored) == 5
+    assert not (tmp_path / "results" / "scripted.nc").exists()
+
+
+def test_a_scheduler_without_dask_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(UsageError, match=r"--scheduler needs dask\.distributed: pip install 'mpmverify\[distributed\]'"):
+        list(run([study()], plan(tmp_path, scheduler="tcp://nowhere:1")))

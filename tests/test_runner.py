@@ -1,0 +1,410 @@
+"""From declaration to judged study: what is solved is not solved again, what failed is, and a failure is a verdict."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from faulty_solvers import MISDEEDS, SECOND_ORDER, Scripted, ladder, plan, study
+
+from mpmverify import evaluation
+from mpmverify.baseline import read_baseline
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.study import read_study
+from mpmverify.dataset.verdicts import accepted, findings
+from mpmverify.errors import ResultsError, UsageError
+from mpmverify.exact.advection import Gaussian, Step, advection
+from mpmverify.gate import Balance, Order, Verdict
+from mpmverify.problem import Discretisation
+from mpmverify.runner import read_verdicts, run, tasks_of
+from mpmverify.study import Case, Refinement, Series, Study, halving
+
+LEVELS = 3
+
+
+def judged_once(declared, path, **choices):
+    (entry,) = run([declared], plan(path, **choices))
+    return entry
+
+
+def verdicts(entry, gate="verification"):
+    return [finding.verdict for finding in entry.findings if finding.gate == gate]
+
+
+def files(path):
+    return {file.name: file.read_bytes() for file in path.rglob("*.nc")}
+
+
+@pytest.fixture
+def journal(tmp_path):
+    """File that lists the runs which were solved, beside the results."""
+    path = tmp_path / "journal"
+    path.touch()
+    return path
+
+
+def test_a_second_run_solves_nothing_and_writes_nothing(tmp_path, journal):
+    declared = study(Scripted(journal=str(journal)))
+    first = judged_once(declared, tmp_path)
+    assert (first.solved, first.reused) == (LEVELS, 0)
+    before = files(tmp_path)
+    second = judged_once(declared, tmp_path)
+    assert (second.solved, second.reused) == (0, LEVELS)
+    assert second.findings == first.findings
+    assert files(tmp_path) == before
+    assert len(journal.read_text().splitlines()) == LEVELS
+
+
+def test_the_verdicts_are_what_the_scripted_errors_deserve(tmp_path):
+    entry = judged_once(study(Scripted(order=2.0)), tmp_path)
+    assert verdicts(entry) == [Verdict.PASS, Verdict.PASS]
+    assert verdicts(entry, "regression") == [Verdict.INCONCLUSIVE]
+    assert verdicts(judged_once(study(Scripted(order=1.0)), tmp_path / "first")) == [Verdict.FAIL, Verdict.PASS]
+
+
+def test_one_changed_level_solves_one_run(tmp_path, journal):
+    declared = study(Scripted(journal=str(journal)))
+    judged_once(declared, tmp_path)
+    case, series = next(declared.series())
+    levels = (*series.refinement.levels[:2], dataclasses.replace(series.refinement.levels[2], courant=0.25))
+    changed = dataclasses.replace(series, refinement=Refinement(series.refinement.label, levels, LEVELS))
+    entry = judged_once(dataclasses.replace(declared, cases=(dataclasses.replace(case, series=(changed,)),)), tmp_path)
+    assert (entry.solved, entry.reused) == (1, LEVELS - 1)
+    assert len(journal.read_text().splitlines()) == LEVELS + 1
+
+
+def test_one_more_solver_or_level_solves_what_is_new(tmp_path):
+    judged_once(study(Scripted()), tmp_path)
+    wider = judged_once(study(Scripted(), Scripted("unstable")), tmp_path)
+    assert (wider.solved, wider.reused) == (LEVELS, LEVELS)
+    finer = judged_once(study(Scripted(), Scripted("unstable")), tmp_path, tier="full")
+    assert (finer.solved, finer.reused) == (2, 2 * LEVELS)
+
+
+def test_without_reuse_everything_is_solved(tmp_path, journal):
+    declared = study(Scripted(journal=str(journal)))
+    judged_once(declared, tmp_path)
+    entry = judged_once(declared, tmp_path, reuse=False)
+    assert (entry.solved, entry.reused) == (LEVELS, 0)
+    assert len(journal.read_text().splitlines()) == 2 * LEVELS
+
+
+def test_two_studies_share_their_runs(tmp_path):
+    declared = study(), study(name="twin")
+    first, second = run(declared, plan(tmp_path))
+    assert first.solved == LEVELS
+    assert second.reused == LEVELS
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda s: dataclasses.replace(s, title="Another title"),
+        lambda s: study(criteria=(Order("u", "L1", 1.9, 2.1, "made so"), *SECOND_ORDER)),
+    ],
+    ids=["title", "criteria"],
+)
+def test_what_only_the_judgement_depends_on_solves_nothing(tmp_path, change):
+    judged_once(study(), tmp_path)
+    entry = judged_once(change(study()), tmp_path)
+    assert (entry.solved, entry.reused) == (0, LEVELS)
+    stored = read_study(tmp_path / "scripted.nc")
+    assert tuple(findings(stored)) == entry.findings
+    assert stored.attrs["title"] == change(study()).title
+
+
+def test_a_changed_baseline_judges_anew_without_solving(tmp_path):
+    path = tmp_path / "baseline.json"
+    before = judged_once(study(), tmp_path, baseline=read_baseline(path))
+    assert verdicts(before, "regression") == [Verdict.INCONCLUSIVE]
+    baseline = read_baseline(path)
+    assert accepted(baseline, [read_study(tmp_path / "scripted.nc")], "the first") == 1
+    baseline.write()
+    after = judged_once(study(), tmp_path, baseline=read_baseline(path))
+    assert (after.solved, after.reused) == (0, LEVELS)
+    assert verdicts(after, "regression") == [Verdict.PASS]
+    worse = judged_once(study(Scripted(order=1.9)), tmp_path, baseline=read_baseline(path))
+    assert verdicts(worse, "regression") == [Verdict.FAIL]
+    assert verdicts(judged_once(study(), tmp_path, baseline=read_baseline(path)), "regression") == [Verdict.PASS]
+
+
+def test_verdicts_json_holds_every_finding_of_every_study(tmp_path):
+    entries = list(run([study(), study(Scripted("raises"), name="broken")], plan(tmp_path)))
+    stored = json.loads((tmp_path / "verdicts.json").read_text())
+    assert stored["schema"] == 1
+    assert set(stored["studies"]) == {"scripted", "broken"}
+    for entry in entries:
+        assert stored["studies"][entry.study]["findings"] == [dataclasses.asdict(finding) for finding in entry.findings]
+    (tmp_path / "broken.nc").unlink()
+    judged_once(dataclasses.replace(study(), title="t"), tmp_path)
+    assert set(read_verdicts(Results(tmp_path))) == {"scripted"}, "a study that is gone has no verdicts"
+
+
+def test_a_missing_study_file_is_made_again_from_the_runs(tmp_path):
+    first = judged_once(study(), tmp_path)
+    (tmp_path / "scripted.nc").unlink()
+    again = judged_once(study(), tmp_path)
+    assert (again.solved, again.reused) == (0, LEVELS)
+    assert again.findings == first.findings
+    assert (tmp_path / "scripted.nc").exists()
+
+
+# Failures of solvers are verdicts.
+
+REASONS = {
+    "raises": "crashed; ZeroDivisionError: a mass of [/zero] at node 3 ? (faulty_solvers.py:",
+    "leaves": "crashed; SystemExit: 7 (",
+    "returns-nothing": "crashed; it returned NoneType instead of a Solution",
+    "nan": "non-finite; the solver reports completion, but u is not finite",
+    "nan-weight": "non-finite; the solver reports completion, but weight is not finite",
+    "nan-history": "non-finite; the solver reports completion, but history of mass is not finite",
+    "unstable": "unstable; at step 3; the kinetic energy grew without bound: lower the Courant number",
+    "unstable-at-once": "unstable; at step 0; the kinetic energy grew without bound: lower the Courant number",
+    "flat-fields": "crashed; it returned an inconsistent solution: u has the shape (5, 32) beside 5 output times and 32 points",
+    "too-few-points": "crashed; it returned an inconsistent solution: u has the shape (5, 31, 1) beside",
+    "scalar-weight": "crashed; it returned an inconsistent solution: weight has the shape () beside",
+    "ragged-histories": "crashed; it returned an inconsistent solution: history of mass has the shape (2,) beside",
+    "no-time": "crashed; it returned an inconsistent solution: the histories lack their time",
+    "no-output": "crashed; it returned an inconsistent solution: time (0,) must be (T,) and reference",
+    "unknown-field": "crashed; it returned an inconsistent solution: the field 'temperature' is unknown: known are u,",
+    "unknown-history": "crashed; it returned the unknown history 'entropy': known are time, mass",
+    "stops-early": "crashed; it reports completion, but its last output is at 0.75 s and the final time is 1 s",
+    "text-fields": "crashed; TypeError: ufunc 'isfinite' not supported",
+}
+FINISHED = {"nan", "nan-weight", "nan-history", "unstable", "unstable-at-once"}
+"""What ends with an outcome of the scheme is stored; what never came to an end is tried again."""
+
+
+def test_every_misdeed_is_tested():
+    assert REASONS.keys() | {"good", "dies", "hangs", "dawdles"} == MISDEEDS.keys()
+
+
+@pytest.fixture(scope="module")
+def failing(tmp_path_factory):
+    """One study in which every solver but one fails on its finest level, judged twice, and the journal of its runs."""
+    path = tmp_path_factory.mktemp("failing")
+    journal = path / "journal"
+    declared = study(Scripted(), *(Scripted(behaviour, below=0.04, journal=str(journal)) for behaviour in REASONS))
+    return path, journal, judged_once(declared, path), judged_once(declared, path)
+
+
+@pytest.mark.parametrize("behaviour", REASONS)
+def test_a_failure_on_the_finest_level_is_an_error_with_its_reason(failing, behaviour):
+    _, journal, entry, _ = failing
+    mine = [finding for finding in entry.findings if finding.solver == f"scripted-{behaviour}"]
+    assert len(mine) == 3
+    assert {finding.verdict for finding in mine} == {Verdict.ERROR}
+    for finding in mine:
+        assert f"h=0.03125: {REASONS[behaviour]}" in finding.reason
+        assert "\n" not in finding.reason
+    tries = journal.read_text().splitlines().count(f"scripted-{behaviour} 0.03125")
+    assert tries == (1 if behaviour in FINISHED else 2)
+
+
+def test_the_runs_beside_a_failure_are_kept_and_judged(failing):
+    path, journal, entry, again = failing
+    neighbour = [f.verdict for f in entry.findings if f.solver == "scripted-good" and f.gate == "verification"]
+    assert neighbour == [Verdict.PASS, Verdict.PASS]
+    assert again.findings == entry.findings == tuple(findings(read_study(path / "scripted.nc")))
+    retried = len(REASONS.keys() - FINISHED)
+    assert (entry.solved, entry.reused) == (LEVELS * (len(REASONS) + 1), 0)
+    assert (again.solved, again.reused) == (retried, LEVELS * (len(REASONS) + 1) - retried)
+    assert not [
+        line
+        for line in set(journal.read_text().splitlines())
+        if not line.endswith("0.03125") and journal.read_text().splitlines().count(line) > 1
+    ]
+
+
+def test_a_failure_on_every_level_is_judged_too(tmp_path):
+    entry = judged_once(study(Scripted("raises"), Scripted("unstable-at-once"), Scripted("nan")), tmp_path)
+    assert {finding.verdict for finding in entry.findings} == {Verdict.ERROR}
+    assert len(entry.findings) == 9
+
+
+def test_a_run_that_failed_once_and_now_succeeds_is_stored(tmp_path, monkeypatch):
+    declared = study(Scripted("raises", below=0.04))
+    assert Verdict.ERROR in verdicts(judged_once(declared, tmp_path))
+    monkeypatch.setattr("faulty_solvers.MISDEEDS", {"raises": lambda s: s})
+    again = judged_once(declared, tmp_path)
+    assert (again.solved, again.reused) == (1, LEVELS - 1)
+    assert verdicts(again) == [Verdict.PASS, Verdict.PASS]
+    assert judged_once(declared, tmp_path).solved == 0
+
+
+def test_a_comparison_that_raises_is_an_error_not_a_traceback(tmp_path, monkeypatch):
+    def measure(self, solution, problem):
+        raise IndexError("no such history")
+
+    monkeypatch.setattr(Balance, "measure", measure)
+    entry = judged_once(study(), tmp_path)
+    assert {finding.verdict for finding in entry.findings} == {Verdict.ERROR}
+    assert "crashed; IndexError: no such history (test_runner.py:" in entry.findings[0].reason
+
+
+def test_misuse_is_raised_and_what_is_finished_is_kept(tmp_path, monkeypatch):
+    def refuse(_):
+        raise UsageError("solver 'scripted-raises' cannot solve this")
+
+    monkeypatch.setattr("faulty_solvers.MISDEEDS", {"raises": refuse})
+    declared = study(Scripted("raises", below=0.04))
+    with pytest.raises(UsageError, match="cannot solve this"):
+        judged_once(declared, tmp_path)
+    assert len(list((tmp_path / "runs").iterdir())) == LEVELS - 1
+    assert not (tmp_path / "scripted.nc").exists()
+
+
+# Files in the way.
+
+
+def test_a_corrupt_run_is_named_and_left_alone(tmp_path):
+    declared = study()
+    judged_once(declared, tmp_path)
+    path = Results(tmp_path).run(tasks_of(declared, plan(tmp_path))[1].key)
+    path.write_bytes(path.read_bytes()[:2000])
+    (tmp_path / "scripted.nc").unlink()
+    for reuse in (True, False):
+        with pytest.raises(ResultsError, match=path.name):
+            judged_once(declared, tmp_path, reuse=reuse)
+        assert path.stat().st_size == 2000
+
+
+def test_a_foreign_study_file_is_named_before_anything_is_solved(tmp_path, journal):
+    (tmp_path / "scripted.nc").write_text("my notes")
+    with pytest.raises(ResultsError, match=r"scripted\.nc' is not a readable netCDF file"):
+        judged_once(study(Scripted(journal=str(journal))), tmp_path)
+    assert (tmp_path / "scripted.nc").read_text() == "my notes"
+    assert journal.read_text() == ""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "notes",
+        "[]",
+        "{}",
+        '{"studies": 3}',
+        '{"studies": {"scripted": 3}}',
+        '{"studies": {"scripted": {"inputs": ""}}}',
+        '{"studies": {"scripted": {"inputs": "", "findings": [{"verdict": "MAYBE"}]}}}',
+        '{"studies": {"scripted": {"inputs": "", "findings": [{"verdict": "PASS"}]}}}',
+        '{"studies": {"scripted": {"inputs": "", "findings": ["PASS"]}}}',
+    ],
+)
+def test_corrupt_verdicts_are_named_and_left_alone(tmp_path, journal, text):
+    (tmp_path / "verdicts.json").write_text(text)
+    with pytest.raises(ResultsError, match=r"verdicts\.json' is not a list of mpmverify verdicts: delete it and run again"):
+        judged_once(study(Scripted(journal=str(journal))), tmp_path)
+    assert (tmp_path / "verdicts.json").read_text() == text
+    assert journal.read_text() == ""
+
+
+@pytest.mark.parametrize("under", ["file", "proc"])
+def test_a_folder_that_cannot_be_written_is_named(tmp_path, under):
+    (tmp_path / "file").write_text("")
+    path = {"file": tmp_path / "file" / "results", "proc": Path("/proc/results")}[under]
+    with pytest.raises(ResultsError, match=f"cannot write results to '{path}' .*: choose another folder with --out"):
+        judged_once(study(), path)
+
+
+# Declarations.
+
+
+def test_progress_counts_every_run_once(tmp_path):
+    calls = []
+    list(run([study(), study(Scripted("raises"), name="other")], plan(tmp_path), lambda *call: calls.append(call)))
+    assert calls == [(name, k, LEVELS) for name in ("scripted", "other") for k in (1, 2, 3)]
+
+
+def test_each_series_shows_one_run_on_few_points(tmp_path):
+    tasks = tasks_of(study(Scripted(), Scripted("unstable"), levels=6), plan(tmp_path))
+    shown = {task.solver.name: task.discretisation.h for task in tasks if task.shown}
+    assert shown == {"scripted-good": 1 / 128, "scripted-unstable": 1 / 128}
+    assert sum(task.shown for task in tasks) == 2
+
+
+def test_keys_of_a_study_are_distinct(tmp_path):
+    tasks = tasks_of(study(Scripted(), Scripted("unstable")), plan(tmp_path))
+    assert len({task.key for task in tasks}) == len(tasks)
+    assert {len(task.key) for task in tasks} == {24}
+    assert tasks[0].key == evaluation.run_key(tasks[0].problem, tasks[0].solver, tasks[0].discretisation)
+
+
+@dataclasses.dataclass(frozen=True)
+class Nested(Scripted):
+    title: str = "a/b"
+
+    @property
+    def name(self):
+        return self.title
+
+
+def test_declarations_that_cannot_be_stored_are_refused():
+    with pytest.raises(UsageError, match=r"declares hill / scripted-good / nu_C=0\.5 twice"):
+        study(Scripted(), Scripted())
+    with pytest.raises(UsageError, match="has two solvers of the name 'same': rename one"):
+        Study(
+            "s",
+            "t",
+            "u",
+            tuple(
+                Case(name, advection(Gaussian()), (Series(Nested(title="same", order=order), ladder(), ()),), "u")
+                for name, order in (("one", 1.0), ("two", 2.0))
+            ),
+        )
+    for name in ("a/b", "", ".hidden"):
+        with pytest.raises(UsageError, match="cannot name a file or a group"):
+            study(Nested(title=name))
+        with pytest.raises(UsageError, match="cannot name a file or a group"):
+            study(name=name)
+
+
+@pytest.mark.parametrize(
+    ("levels", "quick"), [((), 0), ((), 1), ((Discretisation(0.5, 0.5),), 0), ((Discretisation(0.5, 0.5),), 2)]
+)
+def test_a_ladder_whose_quick_tier_runs_nothing_is_refused(levels, quick):
+    """A study without runs would pass unseen."""
+    with pytest.raises(UsageError, match=r"ladder 'l' has \d levels: the quick tier cannot run"):
+        Refinement("l", levels, quick)
+
+
+def test_a_restricted_study_has_the_named_solvers_and_one_courant_number():
+    declared = Study(
+        "s", "t", "u",
+        (
+            Case("hill", advection(Gaussian()), tuple(Series(Scripted(), halving(1, 8, quick=2, full=3, courant=c), ()) for c in (0.5, 0.25)), "u"),
+            Case("step", advection(Step()), (Series(Scripted("nan"), ladder(), ()),), "u"),
+        ),
+    )  # fmt: skip
+    assert declared.restricted().cases == declared.cases
+    alone = declared.restricted(("scripted-nan",))
+    assert alone.solver_names() == ("scripted-nan",)
+    assert [case.name for case in alone.cases] == ["step"]
+    slow = declared.restricted(courant=0.125)
+    assert {level.courant for _, series in slow.series() for level in series.refinement.levels} == {0.125}
+    assert [len(case.series) for case in slow.cases] == [1, 1], "ladders that become equal are run once"
+    assert [level.h for level in slow.cases[0].series[0].refinement.levels] == [1 / 8, 1 / 16, 1 / 32]
+
+
+# The same numbers wherever the runs were solved.
+
+
+def test_one_process_and_two_give_the_same_study(tmp_path):
+    declared = study(Scripted(), Scripted("raises", below=0.04), Scripted("nan", below=0.1))
+    inline, parallel = (judged_once(declared, tmp_path / str(jobs), jobs=jobs) for jobs in (0, 2))
+    assert parallel.findings == inline.findings
+    assert (parallel.solved, parallel.reused) == (inline.solved, inline.reused)
+    here, there = (read_study(tmp_path / str(jobs) / "scripted.nc") for jobs in (0, 2))
+    assert here.groups == there.groups
+    for group in here.groups:
+        one, other = (tree[group].to_dataset(inherit=False).drop_vars("seconds", errors="ignore") for tree in (here, there))
+        assert one.equals(other)
+    differing = {name for name in here.attrs if here.attrs[name] != there.attrs[name]}
+    assert differing <= {"date_created", "history"}
+    for path in (tmp_path / "0" / "runs").iterdir():
+        key = path.stem
+        mine, theirs = (evaluation.read_run(Results(tmp_path / str(jobs)).run(key), key) for jobs in (0, 2))
+        for name, values in mine.arrays().items():
+            np.testing.assert_array_equal(values, theirs.arrays()[name])
