@@ -55,7 +55,10 @@ class Baseline:
         if bad:
             return Verdict.ERROR, "; ".join(bad)
         accepted = self.entries.get(study, {}).get(solver, {}).get(f"{case} | {refinement}", {})
-        worse, better, missing, compared = [], [], [], 0
+        worse: list[tuple[float, str]] = []
+        better: list[tuple[float, str]] = []
+        missing: list[str] = []
+        compared = 0
         for k, (level, values) in enumerate(levels(evidence)):
             known = accepted.get(level, {})
             missing.extend(f"{name} at {level}" for name in sorted(values.keys() ^ known.keys()))

@@ -137,12 +137,14 @@ def run(
         scheduler=scheduler,
     )
     chosen = _chosen(studies, solvers, courant)
+    names = [study.name for study in chosen]
     findings: list[Finding] = []
     solved = reused = 0
     with Progress() as progress:
         for judged in run_studies(chosen, plan, progress.update):
             findings += judged.findings
             solved, reused = solved + judged.solved, reused + judged.reused
+    findings.sort(key=lambda finding: names.index(finding.study))
     page = _render(plan.results)
     show(findings, explain=explain)
     click.echo(f"{solved} runs solved, {reused} already at hand.")

@@ -50,10 +50,10 @@ def junit(findings: Sequence[Finding]) -> bytes:
             "time": "0",
         }
 
-    root = ElementTree.Element("testsuites", name="mpmverify", **totals(findings))
+    root = ElementTree.Element("testsuites", {"name": "mpmverify"} | totals(findings))
     for study in dict.fromkeys(finding.study for finding in findings):
         mine = [finding for finding in findings if finding.study == study]
-        suite = ElementTree.SubElement(root, "testsuite", name=plain(study), **totals(mine))
+        suite = ElementTree.SubElement(root, "testsuite", {"name": plain(study)} | totals(mine))
         for finding in mine:
             name = plain(f"{finding.case} ({finding.refinement}) {finding.gate}: {finding.criterion}")
             classname = plain(f"{study}.{finding.solver}")

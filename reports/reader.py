@@ -108,17 +108,13 @@ def _estimates(column: Mapping[str, np.ndarray], row: int, indices: np.ndarray) 
             if not np.isfinite(error).any():
                 continue
             sentences = tuple(s for s in str(column["dropped"][row, k, n]).split("; ") if s)
-            gone = {sentence.partition(":")[0] for sentence in sentences}
-            order = float(column["order"][row, k, n])
-            fitted = np.isfinite(error) & np.isfinite(order)
-            kept = tuple(bool(f) and f"h={h:g}" not in gone for f, h in zip(fitted, column["h"][indices], strict=True))
             table[quantity, norm] = Estimate(
                 error=error,
                 absolute=column["error_absolute"][indices, k, n],
                 pairwise=column["order_pairwise"][indices, k, n],
-                kept=kept,
+                kept=tuple((column["kept"][indices, k, n] == 1).tolist()),
                 dropped=sentences,
-                order=order,
+                order=float(column["order"][row, k, n]),
                 low=float(column["order_low"][row, k, n]),
                 high=float(column["order_high"][row, k, n]),
                 floor=float(column["floor"][row, k, n]),

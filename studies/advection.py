@@ -1,7 +1,8 @@
 """Transport of a hill, a Gaussian, a step and a whole spectrum by two-step Taylor-Galerkin."""
 
+from mpmverify.criteria import Amplification, Balance, Order
 from mpmverify.exact.advection import CosineHill, Gaussian, Step, advection
-from mpmverify.gate import Amplification, Balance, Criterion, Order
+from mpmverify.gate import Criterion
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 from mpmverify.study import Case, Series, Study, halving
 

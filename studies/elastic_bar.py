@@ -1,7 +1,8 @@
 """A bar pulled at one end: step, ramp and smooth pulse against d'Alembert."""
 
+from mpmverify.criteria import Order
 from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic_bar
-from mpmverify.gate import Criterion, Order
+from mpmverify.gate import Criterion
 from mpmverify.solution import Solver
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.study import Case, Refinement, Series, Study, halving

@@ -1,7 +1,7 @@
 """The GeHoJerez deck: at a unit Courant number every Gauss-point value of every step is known without error."""
 
+from mpmverify.criteria import Exact
 from mpmverify.exact.deck import deck
-from mpmverify.gate import Exact
 from mpmverify.problem import Discretisation
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 from mpmverify.study import Case, Refinement, Series, Study

@@ -2,7 +2,7 @@
 
 from itertools import product
 
-from mpmverify.gate import Balance
+from mpmverify.criteria import Balance
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from mpmverify.baseline import Baseline
+from mpmverify.criteria import Balance, Order
 from mpmverify.dataset.files import Results
 from mpmverify.exact.advection import Gaussian, advection
-from mpmverify.gate import Balance, Criterion, Order
+from mpmverify.gate import Criterion
 from mpmverify.problem import Array, Discretisation, Problem
 from mpmverify.runner import Plan
 from mpmverify.solution import Outcome, Solution, Status, Work

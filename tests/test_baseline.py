@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmverify.baseline import RELATIVE, Baseline, levels, read_baseline
+from mpmverify.criteria import Order
 from mpmverify.errors import ResultsError
-from mpmverify.gate import Evidence, Order, Verdict, judge
+from mpmverify.gate import Evidence, Verdict, judge
 from mpmverify.norms import NORMS
 
 LIGHT = settings(max_examples=25, deadline=None)

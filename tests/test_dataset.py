@@ -18,6 +18,7 @@ import xarray as xr
 from faulty_solvers import Scripted, ladder, plan, study, transported
 
 from mpmverify.baseline import Baseline
+from mpmverify.criteria import CRITERIA, Amplification, Balance, EnergyDrift, Exact, Order, Published, Stall
 from mpmverify.dataset.files import Results, check_ours, write_atomic
 from mpmverify.dataset.runs import read_run, write_run
 from mpmverify.dataset.study import build, read_study, solvers, write_study
@@ -25,7 +26,6 @@ from mpmverify.dataset.tree import write_tree
 from mpmverify.dataset.verdicts import criteria, findings, judged, with_criteria
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
-from mpmverify.gate import CRITERIA, Amplification, Balance, EnergyDrift, Exact, Order, Published, Stall
 from mpmverify.problem import Discretisation
 from mpmverify.runner import run
 from mpmverify.solution import Outcome, Status, Work

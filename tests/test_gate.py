@@ -10,24 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mpmverify.criteria import CRITERIA, Amplification, Balance, EnergyConserved, EnergyDrift, Exact, Order, Published, Stall
+from mpmverify.criteria.judging import PLAUSIBLE
 from mpmverify.exact.amplification import two_step_taylor_galerkin
-from mpmverify.gate import (
-    CRITERIA,
-    PLAUSIBLE,
-    Amplification,
-    Balance,
-    EnergyDrift,
-    Evidence,
-    Exact,
-    Finding,
-    Order,
-    Published,
-    Stall,
-    Verdict,
-    exit_status,
-    judge,
-    worst,
-)
+from mpmverify.gate import Evidence, Finding, Verdict, exit_status, judge, worst
 from mpmverify.norms import NORMS
 from mpmverify.problem import LinearElastic, Periodic, Problem, Traction, Transport
 from mpmverify.solution import Solution, Work
@@ -128,6 +114,10 @@ EXAMPLES = [
     (EnergyDrift(1.8, "theory"), measured(energy_drift=[1, 1, 1, np.inf, 1]), ERROR),
     (EnergyDrift(1.8, "theory"), measured(energy_drift=-1e-2 * ONES), ERROR),
     (EnergyDrift(1.8, "theory"), measured(), ERROR),
+    (EnergyConserved("theory"), measured(energy_drift=1e-13 * ONES), PASS),
+    (EnergyConserved("theory"), measured(energy_drift=1e-2 * H**2), FAIL),
+    (EnergyConserved("theory"), measured(energy_drift=[0, 0, np.nan, 0, 0]), ERROR),
+    (EnergyConserved("theory"), measured(), ERROR),
     (Amplification(1, 1e-12, "theory"), measured(amplification_defect=1e-14 * ONES, amplification_modes=ONES), PASS),
     (Amplification(1, 1e-12, "theory"), measured(amplification_defect=1e-3 * ONES, amplification_modes=ONES), FAIL),
     (Amplification(1, 1e-12, "theory"), measured(amplification_defect=0 * ONES, amplification_modes=0 * ONES), ERROR),
@@ -167,7 +157,7 @@ JUDGED_BY = {
     "error": (ORDER, Stall("u", "L2", 3.0, ""), Exact("u", "L2", 1.0, ""), PUBLISHED),
     "momentum_defect": (Balance("momentum", "impulse", ""),),
     "mass_defect": (Balance("mass", "", ""),),
-    "energy_drift": (EnergyDrift(1.8, ""),),
+    "energy_drift": (EnergyDrift(1.8, ""), EnergyConserved("")),
     "amplification_defect": (Amplification(1, 1e-12, ""),),
     "amplification_modes": (Amplification(1, 1e-12, ""),),
 }
@@ -217,6 +207,12 @@ def test_no_band_is_wide_enough_for_what_is_no_order(kind, position, band, level
     rate = low + position * (high - low)
     h = 1.05 ** -np.arange(float(levels))
     assert verdict(Order("u", "L2", *band, ""), series(0.5 * h**rate, h)) is not PASS
+
+
+@pytest.mark.parametrize("band", [(math.nan, math.nan), (1.8, math.nan), (math.nan, 2.2)])
+def test_a_band_that_is_not_a_number_holds_nothing(band):
+    assert verdict(Order("u", "L2", *band, ""), series(3 * H**2)) is INCONCLUSIVE
+    assert verdict(EnergyDrift(math.nan, ""), measured(energy_drift=1e-2 * H**2)) is INCONCLUSIVE
 
 
 @LIGHT

@@ -23,7 +23,7 @@ LAYERS = (
     {"errors"},
     {"problem"},
     {"solution"},
-    {"exact", "norms", "convergence", "gate", "baseline"},
+    {"exact", "norms", "convergence", "gate", "baseline", "criteria"},
     {"study"},
     {"dataset"},
     {"evaluation", "pool", "runner", "summary", "display"},

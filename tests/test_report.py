@@ -18,13 +18,13 @@ from hypothesis import strategies as st
 from jinja2 import meta
 
 from mpmverify.baseline import Baseline
+from mpmverify.criteria import Balance, Order
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.level import Level, Snapshots
 from mpmverify.dataset.study import build, write_study
 from mpmverify.dataset.verdicts import declare, findings, judged
 from mpmverify.errors import ResultsError
 from mpmverify.exact import ExactSolution, VerificationProblem
-from mpmverify.gate import Balance, Order
 from mpmverify.problem import Discretisation, Periodic, Problem, Transport
 from mpmverify.reports import charts, render
 from mpmverify.reports.equations import mathml

@@ -10,12 +10,13 @@ from faulty_solvers import MISDEEDS, SECOND_ORDER, Scripted, ladder, plan, study
 
 from mpmverify import evaluation
 from mpmverify.baseline import read_baseline
+from mpmverify.criteria import Balance, Order
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.study import read_study
 from mpmverify.dataset.verdicts import accepted, findings
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
-from mpmverify.gate import Balance, Order, Verdict
+from mpmverify.gate import Verdict
 from mpmverify.problem import Discretisation
 from mpmverify.runner import read_verdicts, run, tasks_of
 from mpmverify.study import Case, Refinement, Series, Study, halving

@@ -16,13 +16,13 @@ import pytest
 import mpmverify.solvers
 from mpmverify import studies
 from mpmverify.convergence import Convergence, analyse
+from mpmverify.criteria import Balance
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.exact.advection import Gaussian, advection
 from mpmverify.exact.elastic_bar import StepLoad, elastic_bar
 from mpmverify.exact.manufactured import manufactured
 from mpmverify.exact.vibration import axial_vibration
-from mpmverify.gate import Balance
 from mpmverify.norms import NORMS, errors
 from mpmverify.problem import (
     UNITS,

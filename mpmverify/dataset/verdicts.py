@@ -10,9 +10,10 @@ import xarray as xr
 
 from mpmverify import baseline as regression
 from mpmverify.convergence import Convergence
+from mpmverify.criteria import CRITERIA, Stall
 from mpmverify.dataset.study import evidence, series_of, solvers, text
 from mpmverify.errors import UsageError
-from mpmverify.gate import CRITERIA, Criterion, Finding, Stall, Verdict, judge
+from mpmverify.gate import Criterion, Finding, Verdict, judge
 from mpmverify.norms import NORMS
 from mpmverify.study import Study
 
@@ -60,6 +61,7 @@ def with_fits(dataset: xr.Dataset) -> xr.Dataset:
     numbers = {name: np.full(shape, np.nan) for name in ("order", "order_low", "order_high", "floor")}
     words = {name: np.full(shape, "", dtype=object) for name in ("classification", "dropped")}
     pairwise = np.full(dataset["error"].shape, np.nan)
+    kept = np.zeros(dataset["error"].shape, dtype=np.int8)
     for row, levels in enumerate(identities.values()):
         seen = evidence(dataset, levels)
         for k, quantity in enumerate(dataset["quantity"].values.tolist()):
@@ -69,7 +71,9 @@ def with_fits(dataset: xr.Dataset) -> xr.Dataset:
                 series: Convergence = seen.convergence(quantity, norm)
                 words["classification"][row, k, n] = series.classification.value
                 words["dropped"][row, k, n] = "; ".join(series.dropped)
-                pairwise[levels[np.argsort(-seen.h)][1:], k, n] = series.pairwise
+                coarse_first = levels[np.argsort(-seen.h)]
+                pairwise[coarse_first[1:], k, n] = series.pairwise
+                kept[coarse_first, k, n] = series.kept
                 if series.fit:
                     fit = series.fit
                     for name, value in zip(numbers, (fit.order, fit.low, fit.high), strict=False):
@@ -91,7 +95,8 @@ def with_fits(dataset: xr.Dataset) -> xr.Dataset:
                 ("level", "quantity", "norm"),
                 pairwise,
                 {"units": "1", "long_name": "observed order from the coarser level"},
-            )
+            ),
+            "kept": (("level", "quantity", "norm"), kept, {"units": "1", "long_name": "1 where the level is in the fit"}),
         }
     ).assign_coords(
         series_case=("series", text([case for case, _ in identities])),

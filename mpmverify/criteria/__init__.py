@@ -1,0 +1,15 @@
+"""Criteria: what a study may demand of a series, each with its own failure sentence."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from mpmverify.criteria.errors import Exact, Order, Published, Stall
+from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDrift
+from mpmverify.criteria.modes import Amplification
+
+__all__ = ["CRITERIA", "Amplification", "Balance", "EnergyConserved", "EnergyDrift", "Exact", "Order", "Published", "Stall"]
+
+CRITERIA: Mapping[str, type[Any]] = {
+    kind.__name__: kind for kind in (Order, Stall, Exact, Published, Balance, EnergyDrift, EnergyConserved, Amplification)
+}
+"""Criteria by the name under which files store them."""

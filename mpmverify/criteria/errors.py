@@ -1,0 +1,145 @@
+"""Criteria on error norms: orders, stalls, exactness and published values."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpmverify.convergence import ROUND_OFF, Classification
+from mpmverify.criteria.judging import judge_largest, judge_order
+from mpmverify.gate import Evidence, Judgement, Verdict
+from mpmverify.norms import NORMS
+from mpmverify.problem import Problem
+from mpmverify.solution import Solution
+
+
+class OfErrors:
+    """A criterion that needs the stored error norms alone."""
+
+    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+        return {}
+
+
+@dataclass(frozen=True)
+class Order(OfErrors):
+    """The fitted order lies in [low, high], and so does the finest step of refinement.
+
+    Parameters
+    ----------
+    quantity, norm : str
+    low, high : float
+        Accepted band of orders in h.
+    source : str
+    """
+
+    quantity: str
+    norm: str
+    low: float
+    high: float
+    source: str
+
+    @property
+    def title(self) -> str:
+        return f"order of {self.quantity} in {self.norm} in [{self.low:g}, {self.high:g}]"
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        return judge_order(evidence.convergence(self.quantity, self.norm, (self.low, self.high)), self.low, self.high)
+
+
+@dataclass(frozen=True)
+class Stall(OfErrors):
+    """The scheme is known not to converge: the last two observed orders are below a bound.
+
+    Parameters
+    ----------
+    quantity, norm : str
+    below : float
+        Bound on the order.
+    source : str
+    """
+
+    quantity: str
+    norm: str
+    below: float
+    source: str
+
+    @property
+    def title(self) -> str:
+        return f"{self.quantity} in {self.norm} stalls (order below {self.below:g})"
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        series = evidence.convergence(self.quantity, self.norm)
+        last = series.pairwise[-2:]
+        if series.classification is Classification.NON_FINITE:
+            return Verdict.ERROR, "the error is not finite on at least one level"
+        if len(last) < 2:
+            return Verdict.INCONCLUSIVE, f"a stall needs three levels, not {len(series.h)}"
+        if np.any(series.error[-3:] <= ROUND_OFF):
+            return Verdict.FAIL, "the error does not stall: it is at round-off on one of the three finest levels"
+        measured = f"last observed orders {last[0]:.2f} and {last[1]:.2f} ({series.classification})"
+        if np.all(last < self.below):
+            return Verdict.PASS, measured
+        return (
+            Verdict.FAIL if np.all(last >= self.below) else Verdict.INCONCLUSIVE
+        ), f"{measured}, not both below {self.below:g}"
+
+
+@dataclass(frozen=True)
+class Exact(OfErrors):
+    """The scheme has no error on this problem: every level is within round-off.
+
+    Parameters
+    ----------
+    quantity, norm : str
+    bound : float
+        Largest relative error.
+    source : str
+    """
+
+    quantity: str
+    norm: str
+    bound: float
+    source: str
+
+    @property
+    def title(self) -> str:
+        return f"{self.quantity} exact in {self.norm} to {self.bound:g}"
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        return judge_largest(evidence.relative(self.quantity, self.norm), self.bound, "relative error")
+
+
+@dataclass(frozen=True)
+class Published(OfErrors):
+    """Absolute errors of the literature are reproduced to a number of significant digits.
+
+    Parameters
+    ----------
+    quantity, norm : str
+    values : tuple of (h, error)
+        Published absolute errors; the levels that were run are compared.
+    digits : int
+        Significant digits that must agree: the deviation is below half a unit of the last one.
+    source : str
+    """
+
+    quantity: str
+    norm: str
+    values: tuple[tuple[float, float], ...]
+    digits: int
+    source: str
+
+    @property
+    def title(self) -> str:
+        return f"published {self.quantity} errors in {self.norm} to {self.digits} digits"
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        if not np.all(np.isfinite(evidence.relative(self.quantity, self.norm))):
+            return Verdict.ERROR, "the error is not finite on at least one level"
+        errors = zip(evidence.h, evidence.error[self.quantity][:, NORMS.index(self.norm)], strict=True)
+        pairs = np.array([(mine, theirs) for size, mine in errors for h, theirs in self.values if h == size])
+        if len(pairs) < 3:
+            return Verdict.INCONCLUSIVE, f"{len(pairs)} of {len(self.values)} published levels were run; three are needed"
+        units = np.abs(pairs[:, 0] - pairs[:, 1]) / 10.0 ** (np.floor(np.log10(pairs[:, 1])) - self.digits + 1)
+        verdict, reason = judge_largest(units, 0.5, f"deviation in units of digit {self.digits}")
+        return verdict, f"{reason}, {len(pairs)} levels"

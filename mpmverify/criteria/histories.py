@@ -1,0 +1,135 @@
+"""Criteria on histories: what is conserved, and how fast a drift of energy vanishes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpmverify.convergence import analyse
+from mpmverify.criteria.judging import PLAUSIBLE, are_sizes, judge_largest, judge_order, relative_defect
+from mpmverify.gate import Evidence, Judgement, Verdict
+from mpmverify.problem import Problem
+from mpmverify.solution import Solution
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A history equals its source term to round-off: mass is constant, momentum changes by the impulse.
+
+    Parameters
+    ----------
+    stock : str
+        History, such as "momentum".
+    source_term : str
+        History that accounts for its change, such as "impulse"; "" when nothing may change it.
+    source : str
+    bound : float
+        Largest defect relative to the largest magnitude of the two; for momentum also to sqrt(2 m E_kin), the size of the
+        particles' momenta that may cancel in their sum.
+    """
+
+    stock: str
+    source_term: str
+    source: str
+    bound: float = 1e-12
+
+    @property
+    def title(self) -> str:
+        return (
+            f"{self.stock} less {self.source_term} conserved to {self.bound:g}"
+            if self.source_term
+            else f"{self.stock} conserved"
+        )
+
+    @property
+    def _metric(self) -> str:
+        return f"{self.stock}_defect"
+
+    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+        if not {self.stock, self.source_term or self.stock} <= solution.histories.keys():
+            return {}
+        stock = solution.histories[self.stock]
+        change = solution.histories[self.source_term] if self.source_term else np.zeros_like(stock)
+        defect = stock - stock[0] - (change - change[0])
+        scales = [np.max(np.abs(stock)), np.max(np.abs(change))]
+        if self.stock == "momentum" and {"mass", "kinetic_energy"} <= solution.histories.keys():
+            # The terms that cancel set the scale of round-off: a momentum of zero is a difference of large ones.
+            mass, kinetic = (np.abs(solution.histories[name]) for name in ("mass", "kinetic_energy"))
+            scales.append(np.sqrt(2 * np.max(mass * kinetic)))
+        return relative_defect(self._metric, defect, np.max(scales))
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        return judge_largest(evidence.metrics[self._metric], self.bound, "relative defect")
+
+
+DRIFT_ROUND_OFF = 1e-11
+"""Relative energy drift at and below which nothing drifts."""
+
+
+DRIFT = "energy_drift"
+
+
+def energy_drift(solution: Solution) -> Mapping[str, float]:
+    """Largest drift of kinetic plus strain energy less external work, relative to the largest energy."""
+    history = solution.histories
+    if not {"kinetic_energy", "strain_energy", "external_work"} <= history.keys():
+        return {}
+    total = history["kinetic_energy"] + history["strain_energy"] - history["external_work"]
+    scale = np.max(np.abs(history["kinetic_energy"] + history["strain_energy"]))
+    return relative_defect(DRIFT, total - total[0], scale)
+
+
+@dataclass(frozen=True)
+class EnergyDrift:
+    """Kinetic plus strain energy less external work stays: its largest relative drift converges at an order in dt or is bounded.
+
+    Parameters
+    ----------
+    low : float
+        Least order of the drift in dt; the drift may also be at round-off.
+    source : str
+    """
+
+    low: float
+    source: str
+
+    @property
+    def title(self) -> str:
+        return f"energy drift vanishes at order {self.low:g} or more"
+
+    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+        return energy_drift(solution)
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        drift = evidence.metrics[DRIFT]
+        if not are_sizes(drift):
+            return Verdict.ERROR, "the energy drift is not finite, or negative, on at least one level"
+        if np.all(drift <= DRIFT_ROUND_OFF):
+            return Verdict.PASS, f"largest relative drift {drift.max():.1e}: round-off"
+        verdict, reason = judge_order(analyse(evidence.dt, drift, round_off=DRIFT_ROUND_OFF), self.low, PLAUSIBLE)
+        return verdict, f"drift {drift.min():.1e} at best, in dt: {reason}"
+
+
+@dataclass(frozen=True)
+class EnergyConserved:
+    """Kinetic plus strain energy less external work stays, to round-off.
+
+    Parameters
+    ----------
+    source : str
+    bound : float
+        Largest relative drift.
+    """
+
+    source: str
+    bound: float = DRIFT_ROUND_OFF
+
+    @property
+    def title(self) -> str:
+        return f"energy conserved to {self.bound:g}"
+
+    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+        return energy_drift(solution)
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        return judge_largest(evidence.metrics[DRIFT], self.bound, "relative energy drift")

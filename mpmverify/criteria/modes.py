@@ -1,0 +1,61 @@
+"""Criteria on Fourier modes: the amplification factor of a scheme."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from mpmverify.criteria.judging import judge_largest
+from mpmverify.exact.amplification import two_step_taylor_galerkin
+from mpmverify.gate import Evidence, Judgement, Verdict
+from mpmverify.problem import Problem, Transport
+from mpmverify.solution import Solution
+
+
+@dataclass(frozen=True)
+class Amplification:
+    """Every Fourier mode of a periodic advection run follows the scheme's amplification factor, G(theta)^n after n steps.
+
+    Parameters
+    ----------
+    passes : int
+        Mass passes of two-step Taylor-Galerkin.
+    bound : float
+        Largest deviation of a mode's coefficient, relative to its initial one.
+    source : str
+    """
+
+    passes: int
+    bound: float
+    source: str
+    metric: ClassVar[str] = "amplification_defect"
+
+    @property
+    def title(self) -> str:
+        return f"amplification factor of every Fourier mode to {self.bound:g}"
+
+    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+        if "u" not in solution.fields or not isinstance(problem.material, Transport):
+            return {}
+        steps = np.round(solution.time / solution.dt)
+        modes = np.fft.rfft(solution.fields["u"][:, :, 0], axis=1)
+        if not np.all(np.isfinite(modes)):
+            return {self.metric: np.nan, "amplification_modes": np.nan}
+        if steps[-1] < 1 or not modes[0].any():
+            return {}
+        theta = 2 * np.pi * np.arange(modes.shape[1]) / solution.reference.shape[0]
+        h = problem.lengths[0] / solution.reference.shape[0]
+        factor = two_step_taylor_galerkin(theta, problem.material.velocity * solution.dt / h, self.passes)
+        # A mode that the initial profile lacks, the shortest one sampled at its nodes above all, cannot be followed.
+        carried = np.abs(modes[0]) > 1e-3 * np.abs(modes[0]).max()
+        initial = modes[0, carried]
+        defect = np.abs(modes[:, carried] - initial * factor[carried] ** steps[:, None]) / np.abs(initial)
+        return {self.metric: float(defect.max()), "amplification_modes": float(carried.sum() / len(carried))}
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        share = evidence.metrics["amplification_modes"]
+        if not np.all((share > 0) & (share <= 1)):
+            return Verdict.ERROR, "no Fourier mode was followed on at least one level"
+        verdict, reason = judge_largest(evidence.metrics[self.metric], self.bound, "deviation from G^n")
+        return verdict, f"{reason}, over {share.min():.0%} of the modes"
