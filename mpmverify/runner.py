@@ -123,18 +123,19 @@ def run(studies: Sequence[Study], plan: Plan, progress: Callable[[str, int, int]
 
 
 def _evaluate(tasks: list[Task], plan: Plan) -> Iterator[tuple[Task, Evaluated]]:
-    at_hand = [task for task in tasks if task.reuse and plan.results.run(task.key).exists()]
-    known = {id(task) for task in at_hand}
-    # The longest runs first: none is left alone at the end.
-    to_solve = sorted((task for task in tasks if id(task) not in known), key=_cost, reverse=True)
+    at_hand = {id(task) for task in tasks if task.reuse and plan.results.run(task.key).exists()}
+    cost = {id(task): 0.0 if id(task) in at_hand else _cost(task) for task in tasks}
+    total: dict[str, float] = {}
+    for task in tasks:
+        total[task.study] = total.get(task.study, 0.0) + cost[id(task)]
+    # Study by study, so that one is judged while the next is solved; the longest first, so that none is left alone at the end.
+    ordered = sorted(tasks, key=lambda task: (total[task.study], task.study, cost[id(task)]), reverse=True)
     if plan.scheduler:
-        yield from pool.Distributed(plan.scheduler).evaluate(tasks)
-    elif plan.jobs == 0:
-        yield from pool.inline(tasks)
-    elif to_solve or len(at_hand) > 50:
-        yield from pool.over_processes(to_solve + at_hand, plan.jobs, plan.timeout)
+        yield from pool.Distributed(plan.scheduler).evaluate(ordered)
+    elif plan.jobs == 0 or (len(at_hand) == len(tasks) and len(tasks) <= 50):
+        yield from pool.inline(ordered)
     else:
-        yield from pool.inline(at_hand)
+        yield from pool.over_processes(ordered, plan.jobs, plan.timeout)
 
 
 def _cost(task: Task) -> float:

@@ -29,10 +29,16 @@ def commit() -> tuple[str, str]:
         return "none", "installed"
 
 
+@cache
+def versions() -> str:
+    """Versions of Python and of the libraries that make and store the numbers."""
+    table = library_versions() | {name: metadata.version(name) for name in ("xarray", "netCDF4")}
+    return ", ".join(f"{name} {version}" for name, version in table.items())
+
+
 def attributes(kind: str, title: str, summary: str) -> dict[str, str | int]:
     """Global attributes of a file: CF-1.11, ACDD-1.3 and provenance."""
     revision, state = commit()
-    versions = library_versions() | {name: metadata.version(name) for name in ("xarray", "netCDF4")}
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     return {
         "Conventions": "CF-1.11, ACDD-1.3",
@@ -50,6 +56,6 @@ def attributes(kind: str, title: str, summary: str) -> dict[str, str | int]:
         "mpmverify_schema": SCHEMA,
         "commit": revision,
         "commit_state": state,
-        "versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
+        "versions": versions(),
         "platform": platform.platform(),
     }

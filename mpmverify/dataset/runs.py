@@ -22,6 +22,8 @@ HISTORY_UNITS = {
     "inflow": "m",
 }
 """Histories are per unit cross-section; the mass of a transported scalar is its integral, in m."""
+COMPRESSED = 2**15
+"""Smaller arrays are written as they are: compression costs more time than it saves space."""
 
 
 def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
@@ -53,7 +55,7 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
                 file.createDimension(name, size)
 
             def put(name: str, dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> None:
-                variable = file.createVariable(name, "f8", dimensions, zlib=values.size > 4096, complevel=1)
+                variable = file.createVariable(name, "f8", dimensions, zlib=values.size > COMPRESSED, complevel=1)
                 variable.setncatts({"units": units, "long_name": long_name})
                 variable[...] = values
 

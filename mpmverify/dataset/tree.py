@@ -35,7 +35,7 @@ def _declare(group: netCDF4.Dataset, dataset: xr.Dataset) -> list[tuple[netCDF4.
     for name, values in dataset.variables.items():
         variable, content = _variable(group, str(name), values)
         attributes = dict(values.attrs)
-        mine = sorted(coord for coord in auxiliary if set(dataset[coord].dims) <= set(values.dims))
+        mine = sorted(coord for coord in auxiliary if set(dataset.variables[coord].dims) <= set(values.dims))
         if name not in dataset.coords and mine:
             attributes.setdefault("coordinates", " ".join(mine))
         named.update(attributes.get("coordinates", "").split())
