@@ -56,6 +56,11 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
 TOTAL: tuple[Solver, ...] = tuple(solver for solver in v.MPM if solver.formulation == "total")
 EXPLICIT: tuple[Solver, ...] = v.FEM_EXPLICIT
 ALL: tuple[Solver, ...] = (*v.MPM, *EXPLICIT)
+LATERAL: tuple[Solver, ...] = (
+    MaterialPoint("MUSL", formulation="total"),
+    MaterialPoint("USL", degree=2, formulation="total"),
+    *v.FEM_EXPLICIT,
+)
 UPDATED_LINEAR = tuple(solver for solver in v.MPM if solver.formulation == "updated" and solver.degree == 1)
 UPDATED_QUADRATIC = tuple(solver for solver in v.MPM_FLIP if solver.formulation == "updated" and solver.degree == 2)
 
@@ -63,7 +68,8 @@ STUDY = Study(
     name="manufactured-1d",
     title="Manufactured neo-Hookean bar",
     summary="A body force makes a standing wave of a neo-Hookean bar exact. At an amplitude of 1e-4 no particle crosses a cell; "
-    "at 0.05 they do, and the updated Lagrangian linear basis stalls where the total Lagrangian one converges.",
+    "at 0.05 they do, and the updated Lagrangian linear basis stalls where the total Lagrangian one converges. A Poisson's ratio "
+    "of 0.3 exposes the terms of the first Lame constant.",
     cases=(
         Case(
             "no-crossing",
@@ -97,6 +103,13 @@ STUDY = Study(
                 ),
             ),
             shown="displacement",
+        ),
+        Case(
+            "poisson",
+            # At nu = 0 the first Lame constant vanishes, and no error in its terms could be seen.
+            manufactured(0.05, poissons_ratio=0.3, outputs=64),
+            tuple(Series(s, _ladder(s), (*_converges(s), v.MOMENTUM, v.MASS)) for s in LATERAL),
+            shown="stress",
         ),
     ),
 )
