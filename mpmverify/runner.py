@@ -133,7 +133,7 @@ def _evaluate(tasks: list[Task], plan: Plan) -> Iterator[tuple[Task, Evaluated]]
     if plan.scheduler:
         yield from pool.Distributed(plan.scheduler).evaluate(ordered)
     elif plan.jobs == 0 or (len(at_hand) == len(tasks) and len(tasks) <= 50):
-        yield from pool.inline(ordered)
+        yield from pool.inline(tasks)
     else:
         yield from pool.over_processes(ordered, plan.jobs, plan.timeout)
 
