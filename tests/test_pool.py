@@ -22,7 +22,9 @@ pytestmark = pytest.mark.skipif(not shutil.which("ps"), reason="needs ps to see 
 
 def children() -> set[int]:
     """Processes, zombies too, that this one has started, but for the trackers of multiprocessing."""
-    listed = subprocess.run(["ps", "-ww", "--ppid", str(os.getpid()), "-o", "pid=,args="], capture_output=True, text=True, check=False)
+    listed = subprocess.run(
+        ["ps", "-ww", "--ppid", str(os.getpid()), "-o", "pid=,args="], capture_output=True, text=True, check=False
+    )
     lines = [line.strip().split(None, 1) for line in listed.stdout.splitlines()]
     return {int(pid) for pid, command in lines if "spawn_main" in command or "<defunct>" in command}
 
