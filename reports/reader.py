@@ -53,7 +53,7 @@ def _units(group: netCDF4.Dataset) -> dict[str, str]:
 
 
 def _cases(column: Mapping[str, np.ndarray]) -> Iterator[Case]:
-    names = ("case", "exposes", "citation", "equations", "setup", "shown")
+    names = ("study_case", "exposes", "citation", "equations", "setup", "shown")
     for name, exposes, citation, equations, setup, shown in zip(*(column[n].tolist() for n in names), strict=True):
         table = tuple((str(k), str(v)) for k, v in json.loads(setup).items())
         yield Case(name, exposes, citation, tuple(json.loads(equations)), table, shown)

@@ -190,7 +190,7 @@ def assert_one_sentence(result, *parts):
     ("arguments", "part"),
     [
         ("frobnicate", "'frobnicate'"),
-        ("--frobnicate", "'--frobnicate'"),
+        ("--frobnicate", "--frobnicate"),
         ("run nowhere", "unknown study 'nowhere': choose from scripted, slow, broken"),
         ("run scripted --solver magic", "unknown solver 'magic': choose from scripted-good"),
         ("run scripted --solver scripted-unstable", "unknown solver 'scripted-unstable': choose from scripted-good"),

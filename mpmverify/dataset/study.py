@@ -64,7 +64,7 @@ def text(values: Sequence[str]) -> np.ndarray:
 
 def _root(study: Study, tier: str, inputs: str) -> xr.Dataset:
     def each(read: Any) -> tuple[str, np.ndarray]:
-        return "case", text([read(case) for case in study.cases])
+        return "study_case", text([read(case) for case in study.cases])
 
     return xr.Dataset(
         {
@@ -74,7 +74,8 @@ def _root(study: Study, tier: str, inputs: str) -> xr.Dataset:
             "setup": each(lambda case: json.dumps(_setup(case))),
             "shown": each(lambda case: case.shown),
         },
-        coords={"case": ("case", text([case.name for case in study.cases]))},
+        # Not "case", which the solvers' groups have by level: a group inherits the dimensions of its parent.
+        coords={"study_case": each(lambda case: case.name)},
         attrs=provenance.attributes("study", study.title, study.summary)
         | {"id": study.name, "tier": tier, "inputs": inputs, "seeds": "none: no run is random"},
     )
