@@ -19,7 +19,8 @@ MASS = Balance("mass", "inflow", "the scheme is in conservation form: the nodal 
 
 
 STEP = (
-    "own estimate from the leading errors, band set with the measured orders in view: order 5/8 in L1 for a jump: leading phase errors of second order smear the front over n^(1/3) cells after n steps, and the "
+    "own estimate from the leading errors, band set with the measured orders in view: "
+    "order 5/8 in L1 for a jump: leading phase errors of second order smear the front over n^(1/3) cells after n steps, and the "
     "damping of fourth order lets the oscillations behind it reach back n^(1/2) cells; 1/2 where the damping vanishes, as it "
     "does for the consistent mass at nu_C = 1/sqrt(3), and up to 4/5 on coarse meshes where the consistent mass at a small nu_C "
     "has phase errors of fourth order still. Not a published figure; for the theory see " + BRENNER

@@ -25,7 +25,8 @@ HEDSTROM = (
     "Mathematics of Computation 29, 969-977; Brenner, Thomee and Wahlbin (1975), doi:10.1007/BFb0068125"
 )
 STEP_SOURCE = (
-    "own estimate from the leading errors, band set with the measured orders in view: order 1/2 to 5/8 in L1 for a jump: leading phase errors of second order smear the front over n^(1/3) cells, and the "
+    "own estimate from the leading errors, band set with the measured orders in view: "
+    "order 1/2 to 5/8 in L1 for a jump: leading phase errors of second order smear the front over n^(1/3) cells, and the "
     "oscillations behind it reach back n^(1/2) cells when they are damped (5/8), all the way when they are not (1/2); "
     f"{HEDSTROM}"
 )

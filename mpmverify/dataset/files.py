@@ -11,7 +11,7 @@ import netCDF4
 
 from mpmverify.errors import ResultsError
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the layout of run and study files."""
 
 
