@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmverify.atomic import write_atomic
 from mpmverify.errors import ResultsError
 from mpmverify.gate import Evidence, Judgement, Verdict
 from mpmverify.norms import NORMS
@@ -95,15 +96,19 @@ class Baseline:
         series |= dict(levels(evidence))
 
     def write(self) -> None:
-        """Write the baseline, sorted, so that a change reads well in version control."""
+        """Write the baseline, sorted, so that a change reads well in version control; no folder is made for it.
+
+        Raises
+        ------
+        ResultsError
+            If it cannot be written: the former baseline stays.
+        """
+        remedy = "choose another with --baseline"
+        if not self.path.parent.is_dir():
+            raise ResultsError(f"cannot write '{self.path}' (there is no such folder): {remedy}")
         body = {"accepted": self.accepted, "errors": self.entries}
         text = json.dumps(body, indent=1, sort_keys=True) + "\n"
-        try:
-            self.path.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise ResultsError(
-                f"cannot write the baseline '{self.path}' ({error.strerror}): choose another with --baseline"
-            ) from error
+        write_atomic(self.path, lambda temporary: temporary.write_text(text, encoding="utf-8"), remedy)
 
 
 def levels(evidence: Evidence) -> Iterator[tuple[str, Mapping[str, float]]]:

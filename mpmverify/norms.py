@@ -8,7 +8,8 @@ from mpmverify.problem import Array
 from mpmverify.solution import Solution
 
 NORMS = ("L1", "L2", "Linf", "L2-max")
-"""L1, L2 and Linf at the final time; L2-max is the largest L2 over the output times."""
+"""L1, L2 and Linf at the final time; L2-max is the largest L2 over the output times. The measure is that of the body at the start:
+L1 and L2 are means over it, and every norm has the unit of its field."""
 
 
 def l1(values: Array, weight: Array) -> Array:
@@ -27,17 +28,23 @@ def linf(values: Array) -> Array:
 
 
 def norms(values: Array, weight: Array) -> Array:
-    """Return all `NORMS` of one field, (4,); all NaN when a weight is negative or not finite, or those of one time sum to zero.
+    """Return all `NORMS` of one field, (4,), in its unit; all NaN when weights are negative, or those of one time have no finite sum.
 
     Parameters
     ----------
     values : Array
         (T, P, components).
     weight : Array
-        Quadrature weights (T, P).
+        Quadrature weights (T, P) [m^dim]; those of the first time sum to the measure |Omega| of the body.
+
+    Notes
+    -----
+    L1 is (sum_p w_p |e_p|) / |Omega| and L2 is sqrt(sum_p w_p |e_p|^2 / |Omega|).
     """
-    if not (np.all(np.isfinite(weight) & (weight >= 0)) and np.all(weight.sum(axis=-1) > 0)):
+    measure = weight.sum(axis=-1)
+    if not (np.all(weight >= 0) and np.all(np.isfinite(measure) & (measure > 0))):
         return np.full(len(NORMS), np.nan)
+    weight = weight / measure[0]
     last, last_weight = values[-1:], weight[-1:]
     return np.array([l1(last, last_weight)[0], l2(last, last_weight)[0], linf(last)[0], np.max(l2(values, weight))])
 

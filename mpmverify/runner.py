@@ -6,9 +6,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from mpmverify import pool
+from mpmverify.atomic import write_atomic
 from mpmverify.baseline import Baseline
 from mpmverify.dataset.content import digest, file_digest
-from mpmverify.dataset.files import Results, check_ours, write_atomic
+from mpmverify.dataset.files import Results, check_ours
 from mpmverify.errors import ResultsError
 from mpmverify.evaluation import Evaluated, Task, run_key
 from mpmverify.gate import Finding, Verdict

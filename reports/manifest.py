@@ -8,7 +8,8 @@ from importlib import metadata
 from pathlib import Path
 
 import mpmverify
-from mpmverify.dataset.files import Results, write_atomic
+from mpmverify.atomic import write_atomic
+from mpmverify.dataset.files import Results
 from mpmverify.errors import ResultsError
 
 LIBRARIES = ("jinja2", "latex2mathml", "plotly")

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from .charts import key
-from .notation import DASH, NORM_NAMES, cell_size, interval, ladder, number, order
+from .notation import DASH, NORM_NAMES, cell_size, interval, ladder, number, order, unit
 from .parts import ErrorCell, Fact, OrderRow, OrderTable
 from .record import Estimate, Level, Measure, Series
 
@@ -64,5 +64,6 @@ def _row(entry: Series, measure: Measure, sizes: Sequence[float]) -> OrderRow:
 def _cell(k: int, level: Level, estimate: Estimate | None) -> ErrorCell:
     if estimate is None or level.outcome != "completed":
         return ErrorCell(DASH, level.outcome, DASH, False)
-    absolute = f"absolute {number(float(estimate.absolute[k]))}" + ("" if estimate.kept[k] else ", not in the fit")
+    absolute = f"absolute {number(float(estimate.absolute[k]))} {unit(estimate.units)}".rstrip()
+    absolute += "" if estimate.kept[k] else ", not in the fit"
     return ErrorCell(number(float(estimate.error[k])), absolute, order(float(estimate.pairwise[k])), estimate.kept[k])

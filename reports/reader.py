@@ -61,7 +61,7 @@ def _cases(column: Mapping[str, np.ndarray]) -> Iterator[Case]:
 
 def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]:
     column = _columns(group)
-    bands, judged = _bands(column), _judged(column, study, solver)
+    units, bands, judged = _units(group), _bands(column), _judged(column, study, solver)
     profiles = _profiles(group.groups["snapshots"]) if "snapshots" in group.groups else {}
     histories = _histories(group.groups["histories"]) if "histories" in group.groups else {}
     members: dict[tuple[str, str], list[int]] = {}
@@ -72,7 +72,7 @@ def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]
         indices = np.array(unsorted)[np.argsort(-column["h"][unsorted], kind="stable")]
         names = [f.name for f in dataclasses.fields(Level)]
         levels = tuple(Level(*entry) for entry in zip(*(column[name][indices].tolist() for name in names), strict=True))
-        history, units = histories.get(identity, ({}, {}))
+        history, history_units = histories.get(identity, ({}, {}))
         yield Series(
             case=identity[0],
             solver=solver,
@@ -80,12 +80,12 @@ def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]
             refinement=identity[1],
             formal=json.loads(group.orders),
             levels=levels,
-            estimates=_estimates(column, fits.index(identity), indices),
+            estimates=_estimates(column, units, fits.index(identity), indices),
             bands=bands.get(identity, {}),
             findings=tuple(judged.get(identity, ())),
             profile=profiles.get(identity),
             histories=history,
-            history_units=units,
+            history_units=history_units,
         )
 
 
@@ -100,7 +100,9 @@ def _judged(column: Mapping[str, np.ndarray], study: str, solver: str) -> dict[t
     return table
 
 
-def _estimates(column: Mapping[str, np.ndarray], row: int, indices: np.ndarray) -> dict[Measure, Estimate]:
+def _estimates(
+    column: Mapping[str, np.ndarray], units: Mapping[str, str], row: int, indices: np.ndarray
+) -> dict[Measure, Estimate]:
     table = {}
     for k, quantity in enumerate(column["quantity"].tolist()):
         for n, norm in enumerate(column["norm"].tolist()):
@@ -110,7 +112,8 @@ def _estimates(column: Mapping[str, np.ndarray], row: int, indices: np.ndarray) 
             sentences = tuple(s for s in str(column["dropped"][row, k, n]).split("; ") if s)
             table[quantity, norm] = Estimate(
                 error=error,
-                absolute=column["error_absolute"][indices, k, n],
+                absolute=column[f"error_absolute_{quantity}"][indices, n],
+                units=units[f"error_absolute_{quantity}"],
                 pairwise=column["order_pairwise"][indices, k, n],
                 kept=tuple((column["kept"][indices, k, n] == 1).tolist()),
                 dropped=sentences,

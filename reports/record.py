@@ -31,10 +31,14 @@ class Level:
 
 @dataclass(frozen=True)
 class Estimate:
-    """Errors of one series in one quantity and norm, coarsest level first, and the order that was fitted to them."""
+    """Errors of one series in one quantity and norm, coarsest level first, and the order that was fitted to them.
+
+    `units` are those of the absolute errors.
+    """
 
     error: Array
     absolute: Array
+    units: str
     pairwise: Array
     kept: tuple[bool, ...]
     dropped: tuple[str, ...]

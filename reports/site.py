@@ -4,14 +4,15 @@ import dataclasses
 import importlib.util
 import re
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 import mpmverify
-from mpmverify.dataset.files import Results, write_atomic
+from mpmverify.atomic import write_atomic
+from mpmverify.dataset.files import Results
 from mpmverify.errors import ResultsError
 
 from .manifest import Manifest, page
@@ -95,4 +96,4 @@ def _write_assets(folder: Path) -> None:
         content = source.read_bytes()
         target = folder / name
         if not target.exists() or target.read_bytes() != content:
-            write_atomic(target, lambda temporary, content=content: temporary.write_bytes(content))  # type: ignore[misc]
+            write_atomic(target, partial(Path.write_bytes, data=content))

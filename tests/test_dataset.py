@@ -17,16 +17,17 @@ import pytest
 import xarray as xr
 from faulty_solvers import Scripted, ladder, plan, study, transported
 
+from mpmverify.atomic import write_atomic
 from mpmverify.baseline import Baseline
 from mpmverify.criteria import CRITERIA, Amplification, Balance, EnergyDrift, Exact, Order, Published, Stall
-from mpmverify.dataset.files import Results, check_ours, write_atomic
+from mpmverify.dataset.files import Results, check_ours
 from mpmverify.dataset.runs import read_run, write_run
 from mpmverify.dataset.study import build, read_study, solvers, write_study
 from mpmverify.dataset.tree import write_tree
 from mpmverify.dataset.verdicts import criteria, findings, judged, with_criteria
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
-from mpmverify.problem import Discretisation
+from mpmverify.problem import UNITS, Discretisation
 from mpmverify.runner import run
 from mpmverify.solution import Outcome, Status, Work
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
@@ -68,6 +69,13 @@ def test_a_run_without_detail_or_fields_is_read_back(tmp_path):
     back = read_run(tmp_path / "k.nc", "k")
     assert back.fields == {}
     assert back.outcome == made.outcome
+
+
+def test_the_mass_of_a_transported_scalar_is_its_integral_and_that_of_a_body_a_mass(tmp_path):
+    for quantity, units in (("u", "m"), ("displacement", "kg m-2")):
+        write_run(tmp_path / f"{quantity}.nc", "k", solution(fields={quantity: solution().fields["u"]}), "title")
+        with netCDF4.Dataset(tmp_path / f"{quantity}.nc") as file:
+            assert file["history_mass"].units == units
 
 
 def test_xarray_opens_a_run_with_units_on_every_variable(tmp_path):
@@ -133,7 +141,7 @@ def test_readers_never_see_half_a_file(tmp_path):
 
 def test_what_a_killed_writer_leaves_is_no_study(tmp_path):
     program = (
-        "import sys, time; from pathlib import Path; from mpmverify.dataset.files import write_atomic\n"
+        "import sys, time; from pathlib import Path; from mpmverify.atomic import write_atomic\n"
         "def write(temporary):\n    temporary.write_text('half'); print('writing', flush=True); time.sleep(60)\n"
         "write_atomic(Path(sys.argv[1]), write)"
     )
@@ -316,8 +324,9 @@ def test_the_stored_errors_are_those_of_the_scripted_solver(stored):
         good = tree["scripted-good"]
         h = good["h"].values
         for norm in good["norm"].values:
-            np.testing.assert_allclose(good["error_absolute"].sel(quantity="u", norm=norm), h**2, rtol=1e-12)
-        assert (good["error"] == good["error_absolute"] / good["exact_norm"]).all()
+            np.testing.assert_allclose(good["error_absolute_u"].sel(norm=norm), h**2, rtol=1e-12)
+        assert (good["error"].sel(quantity="u") == good["error_absolute_u"] / good["exact_norm_u"]).all()
+        assert good["error_absolute_u"].attrs["units"] == good["exact_norm_u"].attrs["units"] == UNITS["u"]
         assert (good["run"] == [path.stem for path in map(Results(stored[0]).run, good["run"].values) if path.exists()]).all()
 
 
@@ -329,15 +338,10 @@ def test_netcdf4_reads_the_same_numbers_and_texts(path):
 
 
 def test_every_numeric_variable_has_units(path):
-    """Norms have the unit of their quantity times that of the norm: a coordinate says which."""
     with xr.open_datatree(path) as tree:
         for node in tree.subtree:
             dataset = node.to_dataset(inherit=False)
-            bare = {n for n, v in dataset.variables.items() if v.dtype.kind in "iufm" and not v.attrs.get("units")}
-            assert bare <= {"error_absolute", "exact_norm"}
-            for name in bare:
-                assert dataset[name].attrs["comment"] == "units: norm_units"
-                assert dataset["norm_units"].dims == ("quantity",)
+            assert {n for n, v in dataset.variables.items() if v.dtype.kind in "iufm" and not v.attrs.get("units")} == set()
             assert not {n for n, v in dataset.variables.items() if v.dtype.kind in "mM"}, "no second became a date"
 
 

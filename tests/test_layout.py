@@ -21,7 +21,7 @@ MAPPED = {
 """Folder of each part of the one import namespace."""
 LAYERS = (
     {"errors"},
-    {"problem"},
+    {"atomic", "problem"},
     {"solution"},
     {"exact", "norms", "convergence", "gate", "baseline", "criteria"},
     {"study"},
@@ -238,7 +238,7 @@ def test_the_reference_shares_no_kernel_and_alone_imports_skfem():
 
 @pytest.mark.parametrize("module", of("reports"))
 def test_a_report_is_made_from_stored_results_alone(module):
-    assert core_imports(module) <= {"", "errors", "dataset", "convergence", "gate", "summary"}
+    assert core_imports(module) <= {"", "atomic", "errors", "dataset", "convergence", "gate", "summary"}
     assert {part(name) for name in imports(module) if name in MODULES} <= {"mpmverify", "reports"}
 
 

@@ -36,7 +36,8 @@ def solution(values, *, weight=None, time=(0.0, 1.0), reference=None, quantity="
 def test_hand_computed_norms_of_two_vectors():
     values = np.array([[[30.0, 40.0], [0.0, 0.0]], [[3.0, 4.0], [0.0, 12.0]]])
     weight = np.array([[0.25, 1.0], [0.5, 2.0]])
-    expected = [0.5 * 5 + 2 * 12, np.sqrt(0.5 * 25 + 2 * 144), 12.0, np.sqrt(0.25 * 2500)]
+    measure = 0.25 + 1.0  # of the body at the start
+    expected = [(0.5 * 5 + 2 * 12) / measure, np.sqrt((0.5 * 25 + 2 * 144) / measure), 12.0, np.sqrt(0.25 * 2500 / measure)]
     np.testing.assert_allclose(norms(values, weight), expected, rtol=1e-15)
 
 
@@ -46,7 +47,20 @@ def test_the_weight_is_a_measure_and_is_not_squared(data):
     values, weight = data
     halves = np.concatenate([weight, weight], axis=1) / 2
     np.testing.assert_allclose(norms(np.concatenate([values, values], axis=1), halves), norms(values, weight), rtol=1e-12)
-    np.testing.assert_allclose(norms(values, 4 * weight), norms(values, weight) * [4, 2, 1, 2], rtol=1e-12)
+    np.testing.assert_allclose(l1(values, 4 * weight), 4 * l1(values, weight), rtol=1e-12)
+    np.testing.assert_allclose(l2(values, 4 * weight), 2 * l2(values, weight), rtol=1e-12)
+
+
+@LIGHT
+@given(fields())
+def test_norms_are_means_over_the_body_and_do_not_depend_on_its_size(data):
+    values, weight = data
+    np.testing.assert_allclose(norms(values, 4 * weight), norms(values, weight), rtol=1e-12)
+    uniform = np.broadcast_to(values[:, :1], values.shape)
+    steady = np.broadcast_to(weight[:1], weight.shape)
+    amplitude = np.linalg.norm(values[:, 0], axis=1)
+    expected = [amplitude[-1], amplitude[-1], amplitude[-1], amplitude.max()]
+    np.testing.assert_allclose(norms(uniform, steady), expected, rtol=1e-12)
 
 
 @LIGHT
@@ -107,8 +121,9 @@ def test_norms_do_not_depend_on_the_order_of_the_points_nor_on_a_rotation_of_the
 def test_l2_max_is_the_largest_over_the_outputs_and_the_others_are_final(data):
     values, weight = data
     table = norms(values, weight)
-    assert table[L2_MAX] == l2(values, weight).max() >= table[L2]
-    np.testing.assert_array_equal(table[[L1, L2, LINF]], norms(values[-1:], weight[-1:])[[L1, L2, LINF]])
+    share = weight / weight[0].sum()
+    assert table[L2_MAX] == l2(values, share).max() >= table[L2]
+    np.testing.assert_array_equal(table[[L1, L2, LINF]], [l1(values, share)[-1], l2(values, share)[-1], linf(values)[-1]])
 
 
 @LIGHT

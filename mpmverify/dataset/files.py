@@ -1,8 +1,6 @@
-"""Files of a results folder: where they are, opened or written whole or not at all."""
+"""Files of a results folder: where they are, and whether they are ours."""
 
-import os
 import tempfile
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +9,7 @@ import netCDF4
 
 from mpmverify.errors import ResultsError
 
-SCHEMA = 2
+SCHEMA = 3
 """Version of the layout of run and study files."""
 
 
@@ -54,36 +52,6 @@ class Results:
         except OSError as error:
             reason = error.strerror or error
             raise ResultsError(f"cannot write results to '{self.path}' ({reason}): choose another folder with --out") from error
-
-
-def write_atomic(path: Path, write: Callable[[Path], Any]) -> None:
-    """Call `write` on a temporary file beside `path`, then move it into place: readers see all of it or nothing.
-
-    Raises
-    ------
-    ResultsError
-        If the file cannot be written.
-    """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
-        os.close(handle)
-        temporary = Path(name)
-        try:
-            write(temporary)
-            # mkstemp makes private files; a result is as readable as its folder lets it be.
-            umask = os.umask(0)
-            os.umask(umask)
-            temporary.chmod(0o666 & ~umask)
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except ResultsError:
-        raise
-    except (OSError, RuntimeError) as error:  # netCDF4 raises RuntimeError when the disk is full
-        raise ResultsError(
-            f"cannot write '{path}' ({getattr(error, 'strerror', '') or error}): free the disk or choose --out"
-        ) from error
 
 
 def check_ours(path: Path, kind: str) -> dict[str, Any]:

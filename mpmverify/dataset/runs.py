@@ -1,12 +1,14 @@
 """One finished run as one netCDF file."""
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import netCDF4
 import numpy as np
 
+from mpmverify.atomic import write_atomic
 from mpmverify.dataset import provenance
-from mpmverify.dataset.files import check_ours, write_atomic
+from mpmverify.dataset.files import check_ours
 from mpmverify.errors import ResultsError
 from mpmverify.problem import UNITS, Array
 from mpmverify.solution import Outcome, Solution, Status, Work
@@ -21,9 +23,14 @@ HISTORY_UNITS = {
     "external_work": "J m-2",
     "inflow": "m",
 }
-"""Histories are per unit cross-section; the mass of a transported scalar is its integral, in m."""
+"""Units of the histories of a body, which are per unit cross-section; see `history_units` for those of a transported scalar."""
 COMPRESSED = 2**15
 """Smaller arrays are written as they are: compression costs more time than it saves space."""
+
+
+def history_units(quantities: Iterable[str]) -> Mapping[str, str]:
+    """Units of histories by name; the mass of a transported scalar u, which has no dimension, is its integral in m."""
+    return HISTORY_UNITS | ({"mass": "m"} if "u" in quantities else {})
 
 
 def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
@@ -67,8 +74,9 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
                 components = f"{quantity}_component"
                 file.createDimension(components, values.shape[2])
                 put(quantity, ("time", "point", components), values, UNITS[quantity], quantity)
+            units = history_units(solution.fields)
             for name, values in solution.histories.items():
-                put(f"history_{name}", ("step",), values, HISTORY_UNITS[name], name.replace("_", " "))
+                put(f"history_{name}", ("step",), values, units[name], name.replace("_", " "))
 
     write_atomic(path, write)
 

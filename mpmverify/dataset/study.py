@@ -3,7 +3,7 @@
 Layout
 ------
 /                    case metadata, provenance
-/<solver>            error(level, quantity, norm), fits by series, verdicts by criterion
+/<solver>            error(level, quantity, norm), absolute errors and exact norms by quantity, fits by series, verdicts by criterion
 /<solver>/snapshots  profiles of one level of each series: contiguous ragged arrays, one row an output time
 /<solver>/histories  energy, momentum, mass and impulse of the same runs: contiguous ragged arrays, one row a series
 """
@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from mpmverify.atomic import write_atomic
 from mpmverify.dataset import provenance
-from mpmverify.dataset.files import check_ours, write_atomic
+from mpmverify.dataset.files import check_ours
 from mpmverify.dataset.level import Level, SeriesId, Snapshots
-from mpmverify.dataset.runs import HISTORY_UNITS
+from mpmverify.dataset.runs import history_units
 from mpmverify.dataset.tree import write_tree
 from mpmverify.errors import ResultsError
 from mpmverify.gate import Evidence
@@ -98,7 +99,6 @@ def _levels(levels: Sequence[Level]) -> xr.Dataset:
     table = np.array([[level.errors.get(q, (absent, absent)) for q in quantities] for level in levels], dtype=float)
     table = table.reshape(len(levels), len(quantities), 2, len(NORMS))
     error, size = table[:, :, 0], table[:, :, 1]
-    dims = ("level", "quantity", "norm")
 
     def each(read: Any, units: str | None = None, long_name: str = "") -> tuple[str, Any, dict[str, str]]:
         values = [read(level) for level in levels]
@@ -109,12 +109,14 @@ def _levels(levels: Sequence[Level]) -> xr.Dataset:
     return xr.Dataset(
         {
             "error": (
-                dims,
+                ("level", "quantity", "norm"),
                 error / np.where(size > 0, size, 1.0),
-                {"units": "1", "long_name": "error relative to the exact norm"},
+                {
+                    "units": "1",
+                    "long_name": "error relative to the exact norm",
+                    "comment": "absolute where the exact norm is 0",
+                },
             ),
-            "error_absolute": (dims, error, {"long_name": "error norm", "comment": "units: norm_units"}),
-            "exact_norm": (dims, size, {"long_name": "norm of the exact field", "comment": "units: norm_units"}),
             "metric": (
                 ("level", "metric_name"),
                 np.array([[level.metrics.get(name, np.nan) for name in metrics] for level in levels]).reshape(
@@ -127,6 +129,18 @@ def _levels(levels: Sequence[Level]) -> xr.Dataset:
             "seconds": each(lambda level: level.seconds, "s", "wall time without compilation"),
             "outcome": each(lambda level: level.outcome, None, "how the run ended"),
             "run": each(lambda level: level.key, None, "key of the run file"),
+        }
+        | {
+            f"{name}_{quantity}": (
+                ("level", "norm"),
+                values[:, k],
+                {"units": UNITS[quantity], "long_name": f"{of} {quantity}; L1 and L2 are means over the body"},
+            )
+            for k, quantity in enumerate(quantities)
+            for name, values, of in (
+                ("error_absolute", error, "norm of the error of"),
+                ("exact_norm", size, "norm of the exact"),
+            )
         },
         coords={
             "case": each(lambda level: level.case, None, "case"),
@@ -137,7 +151,6 @@ def _levels(levels: Sequence[Level]) -> xr.Dataset:
             "ppc": each(lambda level: level.ppc, "1", "particles per cell"),
             "quantity": ("quantity", text(quantities)),
             "norm": ("norm", text(NORMS)),
-            "norm_units": ("quantity", text([f"{UNITS[q]} times m, m^0.5 or 1 in L1, L2, Linf" for q in quantities])),
             "metric_name": ("metric_name", text(metrics)),
         },
     )
@@ -184,9 +197,10 @@ def _profiles(shots: Sequence[Snapshots]) -> xr.Dataset:
 def _histories(shots: Sequence[Snapshots]) -> xr.Dataset:
     names = list(dict.fromkeys(name for shot in shots for name in shot.histories))
     variables = {}
+    units = history_units(quantity for shot in shots for quantity in shot.fields)
     for name in names:
         columns = [shot.histories.get(name, np.full(len(shot.histories["time"]), np.nan)) for shot in shots]
-        attributes = {"units": HISTORY_UNITS[name], "long_name": name.replace("_", " ")}
+        attributes = {"units": units[name], "long_name": name.replace("_", " ")}
         variables[f"history_{name}"] = ("obs", np.concatenate(columns), attributes)
     return xr.Dataset(
         variables,
@@ -221,16 +235,17 @@ def series_of(dataset: xr.Dataset) -> dict[tuple[str, str], np.ndarray]:
 def evidence(dataset: xr.Dataset, levels: np.ndarray) -> Evidence:
     """Evidence of one series of a solver's dataset; quantities and metrics that were not measured on it are absent."""
     part = dataset.isel(level=levels)
-    error, size, metric = part["error_absolute"].values, part["exact_norm"].values, part["metric"].values
-    quantities = [(k, str(q)) for k, q in enumerate(part["quantity"].values) if np.isfinite(size[:, k]).all()]
+    size = {quantity: part[f"exact_norm_{quantity}"].values for quantity in part["quantity"].values.tolist()}
+    size = {quantity: values for quantity, values in size.items() if np.isfinite(values).all()}
+    metric = part["metric"].values
     return Evidence(
         h=part["h"].values,
         dt=part["dt"].values,
         courant=part["courant"].values,
         ppc=part["ppc"].values,
         outcomes=tuple(part["outcome"].values.tolist()),
-        error={q: error[:, k] for k, q in quantities},
-        reference={q: size[:, k] for k, q in quantities},
+        error={quantity: part[f"error_absolute_{quantity}"].values for quantity in size},
+        reference=size,
         metrics={
             str(name): metric[:, k] for k, name in enumerate(part["metric_name"].values) if not np.isnan(metric[:, k]).all()
         },

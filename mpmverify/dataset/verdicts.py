@@ -130,6 +130,7 @@ def findings(tree: xr.DataTree) -> list[Finding]:
 def with_criteria(dataset: xr.Dataset, declared: Sequence[tuple[str, str, Criterion]]) -> xr.Dataset:
     """Add the declared criteria (case, refinement, criterion) of a solver to its dataset, so that a file can be judged alone."""
     rows = [
+        # A criterion is a frozen dataclass, which its protocol cannot say.
         (case, refinement, json.dumps({"type": type(criterion).__name__} | dataclasses.asdict(criterion)))  # type: ignore[call-overload]
         for case, refinement, criterion in declared
     ]
