@@ -224,7 +224,7 @@ FAULTS = (
     Fault(
         "boundary-flux-dropped",
         (Edit(TG_LOOP, TG_FLUX, ""),),
-        (Kill(TG_VIBRATION, FAIL, "momentum less impulse"), Kill(TG_STEP, FAIL, "mass less inflow")),
+        (Kill(TG_VIBRATION, ERROR, "momentum less impulse"), Kill(TG_STEP, FAIL, "mass less inflow")),
     ),
     Fault(
         "boundary-flux-and-its-account-dropped",
@@ -234,7 +234,7 @@ FAULTS = (
     Fault(
         "contour-normal-flipped",
         (Edit(TG_LOOP, "contour = normal * dot(A[k], trace)", "contour = -normal * dot(A[k], trace)"),),
-        (Kill(TG_PULSE, FAIL, "order of velocity"),),
+        (Kill(TG_PULSE, ERROR, "order of velocity"),),
     ),
     Fault(
         "dt-for-half-dt-in-predictor",

@@ -49,8 +49,8 @@ def march(
     ----------
     U : (nodes, m) nodal unknowns; one node per element when periodic, one more otherwise.
     form : A (m, m), load (m,), weight (m,) of U_t + A U_x = load b and of the amplitude sum_k weight_k |U_k|.
-    faces : keep (2, m, m), push (2, m), datum (2, 2 N + 1); U at a face becomes keep U + push datum, with the datum given
-        at every half step.
+    faces : prescribed l (2, m), enters, holds (2, m), datum (2, 2 N + 1), the datum given at every half step. The contour
+        flux takes U* + enters (datum - l . U*) at a face; later passes than the first add holds (datum - l . U) to U.
     source : (2 count, elements) b at the Gauss points, at t^n and t^{n+1/2} of every step.
     passes : mass-matrix passes.
     mass : (nodes,) lumped mass matrix M_L [m].
@@ -75,7 +75,7 @@ def march(
         \Delta U_j &= \Delta U_{j-1} + M_L^{-1} (R - M\,\Delta U_{j-1}), \quad \Delta U_0 = 0
     """
     A, load, weight = form
-    keep, push, datum = faces
+    prescribed, enters, holds, datum = faces
     total, square, gain, work, ends = history
     nodes, m = U.shape
     elements = source.shape[1]
@@ -106,8 +106,9 @@ def march(
                     slope[k] = (U[e + 1, k] - U[e, k]) / h
                 for k in range(m):
                     star[k] = half_step(U[i, k], A[k], slope, load[k] * b[e], dt)
+                gap = datum[face, 2 * n + 1] - dot(prescribed[face], star)
                 for k in range(m):
-                    trace[k] = dot(keep[face, k], star) + push[face, k] * datum[face, 2 * n + 1]
+                    trace[k] = star[k] + enters[face, k] * gap
                 for k in range(m):
                     contour = normal * dot(A[k], trace)
                     R[i, k] -= dt * contour
@@ -118,17 +119,16 @@ def march(
             for i in range(nodes):
                 for k in range(m):
                     dU[i, k] += (R[i, k] - MdU[i, k]) / mass[i]
-            if bounded:  # in every pass: imposed after the last one only, a consistent mass would amplify reflected waves
+            if bounded and sweep > 0:
                 for face in range(2):
                     i = nodes - 1 if face else 0
                     for k in range(m):
                         star[k] = U[i, k] + dU[i, k]
+                    gap = datum[face, 2 * n + 2] - dot(prescribed[face], star)
                     for k in range(m):
-                        trace[k] = dot(keep[face, k], star) + push[face, k] * datum[face, 2 * n + 2]
-                        ends[n + 1, face, k] = trace[k]
-                        dU[i, k] = trace[k] - U[i, k]
+                        dU[i, k] += holds[face, k] * gap
                         if sweep == passes - 1:
-                            gain[n + 1, k] += mass[i] * (trace[k] - star[k])
+                            gain[n + 1, k] += mass[i] * holds[face, k] * gap
             if sweep < passes - 1:
                 MdU[:] = 0.0
                 for e in range(elements):
@@ -137,6 +137,7 @@ def march(
                         MdU[i, k] += h / 6 * (2 * dU[i, k] + dU[j, k])
                         MdU[j, k] += h / 6 * (dU[i, k] + 2 * dU[j, k])
         U += dU
+        ends[n + 1, 0], ends[n + 1, 1] = U[0], U[-1]
         for i in range(nodes):
             amplitude = 0.0
             for k in range(m):

@@ -49,42 +49,46 @@ def first_order_form(problem: Problem, solver: str) -> tuple[tuple[str, ...], tu
     return ("stress", "velocity"), (A, np.array([0.0, 1.0]), np.array([1.0, rho * c]))
 
 
-def closure(problem: Problem, solver: str, half_times: Array) -> tuple[bool, tuple[Array, Array, Array]]:
-    """Whether the faces bound the body, and their (keep, push, datum) for U = keep U + push datum.
+def closure(problem: Problem, solver: str, half_times: Array) -> tuple[bool, tuple[Array, ...]]:
+    """Whether the faces bound the body, and their (prescribed, enters, holds, datum).
 
-    A prescribed traction or velocity replaces its own unknown and leaves the other one: the odd and even mirror of a body
-    that goes on beyond its ends, hence as stable and as accurate as the interior. Keeping the outgoing characteristic
-    instead amplifies waves at a reflecting end when the mass is consistent. Where nothing comes back, with Z = rho c and the
-    normal n, sigma - n Z v is kept and the incoming sigma + n Z v is zero.
+    The contour flux is characteristic: with Z = rho c and the normal n, sigma - n Z v leaves through the face and stays as it
+    is, and what enters, along (n Z, 1), is such that the traction or the velocity is the prescribed one, or nothing enters.
+    Nothing else tells a lumped mass of the face, and a free bar gains the impulse of its load to round-off. The later passes
+    of a consistent mass hold the prescribed unknown: without that, or with the characteristic form there too, they would
+    amplify reflected waves.
     """
     conditions = [problem.boundary["x-"], problem.boundary["x+"]]
     joined = [isinstance(condition, Periodic) for condition in conditions]
     require(all(joined) or not any(joined), solver, problem, "Periodic on both faces or on neither")
-    keep, push, datum = [], [], np.zeros((2, half_times.size))
+    prescribed, enters, holds, datum = [], [], [], np.zeros((2, half_times.size))
     for face, (normal, condition) in enumerate(zip((-1, 1), conditions, strict=True)):
         if isinstance(condition, Traction | Velocity | Inflow):
             datum[face] = condition.value(half_times)
         if isinstance(problem.material, Transport):
-            enters = normal * problem.material.velocity < 0
-            fits = isinstance(condition, Periodic | (Inflow if enters else Outflow))
+            inwards = normal * problem.material.velocity < 0
+            fits = isinstance(condition, Periodic | (Inflow if inwards else Outflow))
             require(fits, solver, problem, "Inflow where the velocity points inwards, Outflow where not, or Periodic")
-            keep.append([[float(not enters)]])
-            push.append([float(enters)])
+            for row in (prescribed, enters, holds):
+                row.append([float(inwards)])
             continue
         fits = isinstance(condition, Traction | Velocity | Absorbing | Periodic)
         require(fits, solver, problem, "Traction, Velocity, Absorbing or Periodic at the ends of a bar")
         nZ = normal * problem.material.density * problem.material.wave_speed
         match condition:
             case Traction():
-                keep.append([[0.0, 0.0], [0.0, 1.0]])
-                push.append([1.0, 0.0])
+                prescribed.append([1.0, 0.0])
+                enters.append([1.0, 1 / nZ])
+                holds.append([1.0, 0.0])
             case Velocity():
-                keep.append([[1.0, 0.0], [0.0, 0.0]])
-                push.append([0.0, 1.0])
+                prescribed.append([0.0, 1.0])
+                enters.append([nZ, 1.0])
+                holds.append([0.0, 1.0])
             case _:
-                keep.append([[0.5, -0.5 * nZ], [-0.5 / nZ, 0.5]])
-                push.append([0.0, 0.0])
-    return not all(joined), (np.array(keep), np.array(push), datum)
+                prescribed.append([1.0, nZ])
+                enters.append([0.5, 0.5 / nZ])
+                holds.append([0.5, 0.5 / nZ])
+    return not all(joined), (np.array(prescribed), np.array(enters), np.array(holds), datum)
 
 
 def per_area(problem: Problem, instants: Array, A: Array, history: tuple[Array, ...]) -> dict[str, Array]:
@@ -165,11 +169,11 @@ class TaylorGalerkin:
         middles = problem.lower[0] + h * (np.arange(elements, dtype=float)[:, None] + 0.5)
         mass = np.full(len(nodes), h)
         U = np.concatenate([problem.initial_field(quantity, nodes) for quantity in quantities], axis=1)
-        keep, push, datum = faces
+        prescribed, enters, holds, datum = faces
         if bounded and isinstance(problem.material, LinearElastic):
             # A jump at t = 0 is the odd mirror's: its node takes the datum, and the front starts where it should.
             for face in (0, -1):
-                U[face] = keep[face] @ U[face] + push[face] * datum[face, 0]
+                U[face] += holds[face] * (datum[face, 0] - prescribed[face] @ U[face])
 
         m = len(quantities)
         outputs = output_steps(steps, problem.outputs)
@@ -185,7 +189,7 @@ class TaylorGalerkin:
 
         # By d'Alembert a characteristic variable gains at most the datum at every face, and the source on its way.
         _, load, weight = form
-        kick = 2 * np.max(np.abs(push) @ weight * np.max(np.abs(datum), axis=1))
+        kick = 2 * np.max(np.abs(enters) @ weight * np.max(np.abs(datum), axis=1))
         bound = np.max(np.abs(U) @ weight) + kick * (1 + problem.material.wave_speed * instants / problem.lengths[0])
         block = max(1, min(steps, BLOCK // (2 * elements)))
         source = np.zeros((2 * block, elements))
