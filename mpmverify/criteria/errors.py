@@ -65,7 +65,7 @@ class Stall(OfErrors):
 
     @property
     def title(self) -> str:
-        return f"{self.quantity} in {self.norm} stalls (order below {self.below:g})"
+        return f"{self.quantity} in {self.norm} stalls or diverges (order below {self.below:g})"
 
     def judge(self, evidence: Evidence) -> Judgement:
         series = evidence.convergence(self.quantity, self.norm)
