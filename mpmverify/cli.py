@@ -1,7 +1,6 @@
 """Command line: every command parses, calls the library, displays or aborts; heavy imports stay inside."""
 
 import math
-import os
 import sys
 import webbrowser
 from collections.abc import Iterator, Sequence
@@ -124,6 +123,7 @@ def run(
     from mpmverify.dataset.files import Results
     from mpmverify.display import Progress, show
     from mpmverify.gate import exit_status
+    from mpmverify.pool import processors
     from mpmverify.runner import Plan
     from mpmverify.runner import run as run_studies
 
@@ -131,7 +131,7 @@ def run(
         results=Results(out),
         baseline=read_baseline(baseline or _shipped_baseline()),
         tier=tier,
-        jobs=jobs or _processors(),
+        jobs=jobs or processors(),
         timeout=timeout,
         reuse=not no_cache,
         scheduler=scheduler,
@@ -237,11 +237,7 @@ def accept(studies: tuple[str, ...], out: Path, baseline: Path | None, reason: s
 def _shipped_baseline() -> Path:
     from mpmverify import studies
 
-    return Path(studies.__file__).with_name("baseline.json")
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return studies.BASELINE
 
 
 def _chosen(names: Sequence[str], solvers: tuple[str, ...], courant: float | None) -> "list[Study]":

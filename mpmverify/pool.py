@@ -2,6 +2,7 @@
 
 import contextlib
 import multiprocessing
+import os
 import signal
 import time
 from collections import deque
@@ -18,6 +19,11 @@ from mpmverify.solution import Status
 STARTED = "started"
 START_UP = 120.0
 """Limit for a new process to import the solver [s]; it does not count as time of the run."""
+
+
+def processors() -> int:
+    """Number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def inline(tasks: Iterable[Task]) -> Iterator[tuple[Task, Evaluated]]:

@@ -1,11 +1,14 @@
 """Declared studies, imported by name on demand."""
 
 from importlib import import_module
+from pathlib import Path
 
 from mpmverify.errors import UsageError
 from mpmverify.study import Study
 
 NAMES = ("advection", "elastic-bar", "gehojerez-deck", "axial-vibration", "manufactured-1d")
+BASELINE = Path(__file__).with_name("baseline.json")
+"""Accepted errors of the regression gate."""
 
 
 def get(name: str) -> Study:

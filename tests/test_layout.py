@@ -26,8 +26,8 @@ LAYERS = (
     {"exact", "norms", "convergence", "gate", "baseline", "criteria"},
     {"study"},
     {"dataset"},
-    {"evaluation", "pool", "runner", "summary", "display"},
-    {"cli"},
+    {"evaluation", "pool", "runner", "summary", "display", "verification", "bench"},
+    {"cli", "pytest_plugin"},
     {"__main__"},
 )
 """Modules and packages of the core; right may import left, and its own layer in one direction."""
@@ -210,9 +210,9 @@ def test_no_modules_of_the_core_import_one_another_in_a_circle():
         edges = {module: names for module, names in edges.items() if module not in free}
 
 
-def test_the_core_imports_no_solver_study_or_page_but_in_the_command_line():
+def test_the_core_imports_no_solver_study_or_page_but_in_the_command_line_and_the_plugin():
     for module in of("mpmverify"):
-        if module not in ("mpmverify.cli", "mpmverify.__main__"):
+        if module not in ("mpmverify.cli", "mpmverify.pytest_plugin", "mpmverify.__main__"):
             outside = {name for name in imports(module) if name in MODULES and part(name) != "mpmverify"}
             assert outside == set(), module
 

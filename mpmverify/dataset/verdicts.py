@@ -2,7 +2,7 @@
 
 import dataclasses
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,11 @@ from mpmverify.errors import UsageError
 from mpmverify.gate import Criterion, Finding, Verdict, judge
 from mpmverify.norms import NORMS
 from mpmverify.study import Study
+
+
+def stalls(criteria: Iterable[Criterion]) -> bool:
+    """Whether a series is known to stall, so that it has no regression verdict."""
+    return any(isinstance(criterion, Stall) for criterion in criteria)
 
 
 def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
@@ -32,7 +37,7 @@ def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
             seen = evidence(dataset, levels)
             mine = [entry for of_case, of_refinement, entry in declared if (of_case, of_refinement) == (case, refinement)]
             judgements = [("verification", criterion.title, judge(criterion, seen), criterion.source) for criterion in mine]
-            if not any(isinstance(criterion, Stall) for criterion in mine):
+            if not stalls(mine):
                 judgement = baseline.judge(study, solver, case, refinement, seen)
                 judgements.append(("regression", regression.TITLE, judgement, baseline.source))
             for gate, title, (verdict, reason), source in judgements:

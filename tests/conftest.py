@@ -1,0 +1,3 @@
+"""Plugins of the tests: pytest takes them from here alone."""
+
+pytest_plugins = ["pytester"]

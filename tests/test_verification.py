@@ -1,0 +1,265 @@
+"""A solver of any origin on a problem: what it declares must hold, and nothing passes that was not judged."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from faulty_solvers import MISDEEDS, Scripted, ladder, study, transported
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mpmverify import studies
+from mpmverify.criteria import Balance, Exact, Order
+from mpmverify.errors import UsageError
+from mpmverify.exact.advection import Gaussian, Inflow, advection
+from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic_bar
+from mpmverify.gate import Verdict
+from mpmverify.problem import Constant, Outflow
+from mpmverify.verification import MARGIN, evidence_of, expectations, order_band, verify
+
+HILL = study()
+
+
+@dataclass(frozen=True)
+class Claiming(Scripted):
+    """Claims more or less than it does."""
+
+    claimed: float = 2.0
+    of: str = "u"
+    kept: tuple[str, ...] = ("mass",)
+
+    @property
+    def orders(self):
+        return {self.of: self.claimed} if self.of else {}
+
+    @property
+    def conserves(self):
+        return frozenset(self.kept)
+
+
+class Plain:
+    """No dataclass, and of no module that another process could import."""
+
+    name = "plain"
+    orders = {"u": 2.0}  # noqa: RUF012
+    conserves = frozenset()
+
+    def solve(self, problem, discretisation):
+        return transported(problem, discretisation, discretisation.h**2)
+
+
+def verdicts(solver, **choices):
+    return {finding.criterion: finding.verdict for finding in verify(solver, HILL, **choices)}
+
+
+# The rule.
+
+
+@given(st.floats(0.5, 8.0), st.floats(1.0, 20.0))
+def test_a_rough_solution_admits_no_more_than_a_smooth_one(order, derivatives):
+    low, high = order_band(order, derivatives)
+    smooth = order_band(order, math.inf)
+    assert smooth == pytest.approx((order - MARGIN, order + MARGIN))
+    assert low < high
+    assert low <= smooth[0]
+    assert high <= smooth[1]
+    rougher = order_band(order, derivatives / 2 + 0.5)
+    assert rougher[0] <= low
+    assert rougher[1] <= high
+
+
+@pytest.mark.parametrize(
+    ("order", "derivatives", "theory"), [(1, 1, 1 / 2), (1, 2, 1), (2, 1, 1 / 2), (2, 1, 5 / 8), (2, 2, 4 / 3), (2, 3, 2)]
+)
+def test_the_orders_of_the_literature_lie_well_inside_the_band(order, derivatives, theory):
+    low, high = order_band(order, derivatives)
+    assert low + 0.1 < theory < high - 0.1
+
+
+@pytest.mark.parametrize(
+    ("problem", "expected"),
+    [
+        (elastic_bar(StepLoad()), {"velocity": ("L1", 1 / 3, 2 / 3 + MARGIN), "displacement": ("L1", 1.0, 4 / 3 + MARGIN)}),
+        (elastic_bar(RampLoad()), {"velocity": ("L1", 1.0, 4 / 3 + MARGIN), "displacement": ("L1", 5 / 3, 2 + MARGIN)}),
+        (
+            elastic_bar(SmoothPulse()),
+            {"velocity": ("L2", 2 - MARGIN, 2 + MARGIN), "displacement": ("L2", 2 - MARGIN, 2 + MARGIN)},
+        ),
+    ],
+    ids=["step", "ramp", "pulse"],
+)
+def test_the_displacement_has_one_derivative_more(problem, expected):
+    @dataclass(frozen=True)
+    class Bar(Scripted):
+        @property
+        def orders(self):
+            return {"u": 1.0, "velocity": 2.0, "displacement": 2.0}
+
+    found = {c.quantity: (c.norm, c.low, c.high) for c in expectations(Bar(), problem) if isinstance(c, Order)}
+    assert found.keys() == expected.keys(), "an order of what the problem lacks is no expectation"
+    for quantity, (norm, *edges) in expected.items():
+        assert found[quantity][0] == norm
+        assert found[quantity][1:] == pytest.approx(edges, abs=1e-3)
+
+
+def test_what_is_conserved_depends_on_the_problem():
+    def balances(problem, kept=("mass", "momentum")):
+        solver = Claiming(of="u" if "u" in problem.exact.fields else "velocity", kept=kept)
+        return [(c.stock, c.source_term) for c in expectations(solver, problem) if isinstance(c, Balance)]
+
+    assert balances(elastic_bar()) == [("mass", ""), ("momentum", "impulse")]
+    assert balances(elastic_bar(), ("momentum",)) == [("momentum", "impulse")]
+    periodic = advection(Gaussian())
+    assert balances(periodic) == [("mass", "")]
+    boundary = {"x-": Inflow(Constant(0.0)), "x+": Outflow()}
+    assert balances(replace(periodic, problem=replace(periodic.problem, boundary=boundary))) == [("mass", "inflow")]
+
+
+@pytest.mark.parametrize("case", ["step", "ramp", "pulse"])
+def test_the_shipped_scheme_keeps_what_it_declares(case):
+    """Taylor-Galerkin declares order 2 of stress and velocity: at a jump, at a kink and on smooth data."""
+    from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+
+    found = verify(TaylorGalerkin(passes=1), studies.get("elastic-bar"), case)
+    assert [finding.verdict for finding in found] == [Verdict.PASS] * 3
+
+
+def test_on_smooth_data_it_cannot_declare_another_order():
+    """A jump could not tell: there the orders of all schemes lie close together."""
+    from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+
+    @dataclass(frozen=True)
+    class Boasting(TaylorGalerkin):
+        @property
+        def orders(self):
+            return {"stress": 3.0, "velocity": 1.0}
+
+    found = verify(Boasting(passes=1), studies.get("elastic-bar"), "pulse")
+    assert [finding.verdict for finding in found] == [Verdict.FAIL, Verdict.FAIL, Verdict.PASS]
+
+
+# The verdicts.
+
+
+def test_a_solver_that_keeps_its_word_passes():
+    assert verdicts(Scripted()) == {"order of u in L2 in [1.85, 2.15]": Verdict.PASS, "mass conserved": Verdict.PASS}
+    assert verdicts(Plain()) == {"order of u in L2 in [1.85, 2.15]": Verdict.PASS}
+
+
+@pytest.mark.parametrize("claimed", [1.0, 1.7, 2.3, 3.0])
+def test_another_order_than_the_declared_one_fails(claimed):
+    found = verify(Claiming(claimed=claimed), HILL)
+    assert [finding.verdict for finding in found] == [Verdict.FAIL, Verdict.PASS]
+
+
+@pytest.mark.parametrize("behaviour", sorted(MISDEEDS.keys() - {"good", "dies", "hangs", "dawdles"}))
+def test_what_cannot_be_judged_is_an_error_with_its_outcome(behaviour):
+    found = verify(Scripted(behaviour), HILL)
+    assert [finding.verdict for finding in found] == [Verdict.ERROR] * 2
+    assert all("\n" not in finding.reason and "h=0.03125: " in finding.reason for finding in found)
+
+
+def test_one_level_that_erred_is_enough():
+    assert set(verdicts(Scripted("nan", below=0.04)).values()) == {Verdict.ERROR}
+
+
+def test_a_quantity_or_a_history_that_is_not_returned_is_an_error():
+    assert verdicts(Claiming(kept=("mass",), of="u"), criteria=[Order("velocity", "L2", 1, 3, "ours")]) == {
+        "order of velocity in L2 in [1, 3]": Verdict.ERROR
+    }
+
+    class Forgetful(Plain):
+        conserves = frozenset({"mass"})
+
+        def solve(self, problem, discretisation):
+            good = super().solve(problem, discretisation)
+            return replace(good, histories={"time": good.histories["time"]})
+
+    assert verdicts(Forgetful())["mass conserved"] is Verdict.ERROR
+
+
+def test_a_solution_without_any_error_or_with_two_levels_proves_no_order():
+    class Perfect(Plain):
+        def solve(self, problem, discretisation):
+            return transported(problem, discretisation, 0.0)
+
+    assert set(verdicts(Perfect()).values()) == {Verdict.INCONCLUSIVE}
+    assert verdicts(Perfect(), criteria=[Exact("u", "Linf", 1e-12, "exact by construction")]) == {
+        "u exact in Linf to 1e-12": Verdict.PASS
+    }
+    assert set(verdicts(Plain(), refinement=ladder(2)).values()) == {Verdict.INCONCLUSIVE}
+    assert set(verdicts(Plain(), refinement=ladder(2), tier="full").values()) == {Verdict.PASS}
+
+
+def test_nothing_of_an_earlier_run_is_reused():
+    """A library that was built anew looks the same from here."""
+    behaviour = ["good"]
+
+    class Rebuilt(Plain):
+        def solve(self, problem, discretisation):
+            return MISDEEDS[behaviour[0]](super().solve(problem, discretisation))
+
+    assert set(verdicts(Rebuilt()).values()) == {Verdict.PASS}
+    behaviour[0] = "nan"
+    assert set(verdicts(Rebuilt()).values()) == {Verdict.ERROR}
+
+
+@pytest.mark.parametrize(
+    ("solver", "choices", "sentence"),
+    [
+        (object(), {}, "object is no solver: it lacks name, orders, conserves, solve"),
+        (Claiming(of=""), {}, "declares no order of u, so that nothing can be expected of it"),
+        (Claiming(of="stress"), {}, "declares no order of u, so that nothing can be expected of it"),
+        (Claiming(of="temperature"), {}, "declares the order of an unknown 'temperature': known are u, displacement"),
+        (Claiming(claimed=math.nan), {}, "declares the order nan of u: an order is positive and finite"),
+        (Claiming(claimed=0.0), {}, "declares the order 0.0 of u: an order is positive and finite"),
+        (Claiming(kept=("mass", "charm")), {}, "conserves an unknown 'charm': known are mass, momentum"),
+        (Scripted(), {"criteria": ()}, "no criterion is given for solver 'scripted-good'"),
+        (Scripted(), {"case": "valley"}, "study 'scripted' has no case 'valley': choose from hill"),
+        (Plain(), {"timeout": 60.0, "criteria": None}, None),
+    ],
+)
+def test_where_nothing_can_be_judged_a_sentence_says_why(solver, choices, sentence):
+    if sentence is None:
+        local = type("Local", (Plain,), {})()
+        with pytest.raises(
+            UsageError, match=r"cannot travel to a worker process .*: define it in a module, or give no timeout"
+        ):
+            verify(local, HILL, **choices)
+        return
+    with pytest.raises(UsageError) as caught:
+        verify(solver, HILL, **choices)
+    assert sentence in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_study_of_several_cases_wants_to_know_which():
+    with pytest.raises(UsageError, match="study 'elastic-bar' has several cases: choose from step, ramp, pulse"):
+        verify(Scripted(), studies.get("elastic-bar"))
+
+
+def test_a_run_that_hangs_or_kills_its_process_is_an_error_under_a_time_limit():
+    for behaviour, outcome in (("hangs", "timed out; no result within 1 s"), ("dies", "the process died with exit status 3")):
+        found = verify(Scripted(behaviour, below=0.04), HILL, timeout=1.0)
+        assert [finding.verdict for finding in found] == [Verdict.ERROR] * 2
+        assert all(outcome in finding.reason for finding in found)
+    assert set(verdicts(Scripted(), timeout=60.0).values()) == {Verdict.PASS}
+
+
+# The evidence.
+
+
+def test_a_quantity_that_one_level_lacks_is_absent_and_a_metric_is_not_a_number():
+    from mpmverify.dataset.level import Level
+
+    norms = (np.ones(4), np.ones(4))
+    levels = [
+        Level("c", "s", "r", 0.2, 0.5, 1, "a", errors={"u": norms, "stress": norms}, metrics={"mass_defect": 0.0}),
+        Level("c", "s", "r", 0.1, 0.5, 1, "b", errors={"u": norms}),
+    ]
+    seen = evidence_of(levels)
+    assert seen.error.keys() == seen.reference.keys() == {"u"}
+    assert seen.error["u"].shape == (2, 4)
+    assert seen.metrics["mass_defect"][0] == 0
+    assert np.isnan(seen.metrics["mass_defect"][1])
