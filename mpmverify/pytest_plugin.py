@@ -157,7 +157,9 @@ class Branch(pytest.Collector):
         for name in self.tree:
             here = (*self.above, name)
             if len(here) == len(self.KINDS):
-                yield CriterionItem.from_parent(self, name=name, bench=self.bench, identity=here)
+                # As text, which pytest takes apart as it does the ids in its cache: a title may end in a bracket.
+                nodeid = f"{self.nodeid}::{name}"
+                yield CriterionItem.from_parent(self, name=name, nodeid=nodeid, bench=self.bench, identity=here)
             else:
                 yield Branch.from_parent(self, name=name, bench=self.bench, tree=self.tree[name], above=here)
 
