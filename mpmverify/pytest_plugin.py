@@ -5,7 +5,8 @@ Every session of pytest imports this module, so that it imports nothing but pyte
 
 import importlib
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +69,7 @@ def _folder(config: pytest.Config) -> Path:
     if chosen := config.getoption("mpmverify_out"):
         return Path(config.invocation_params.dir, chosen)
     if config.pluginmanager.has_plugin("cacheprovider"):
-        return Path(config.cache.mkdir(ROOT))  # type: ignore[union-attr]
+        return Path(config.cache.mkdir(ROOT))
     raise pytest.UsageError("the cache of pytest is switched off: choose a results folder with --mpmverify-out")
 
 
@@ -76,7 +77,7 @@ def _folder(config: pytest.Config) -> Path:
 
 
 @pytest.hookimpl(hookwrapper=True)
-def pytest_make_collect_report(collector: pytest.Collector) -> Iterator[None]:
+def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, None]:
     """Add the studies to what the session collects from files."""
     outcome = yield
     if isinstance(collector, pytest.Session) and _collects(collector.config):
@@ -106,7 +107,7 @@ class Studies(pytest.Collector):
                 study = _own_study(name) if ":" in name else studies.get(name)
                 if known.setdefault(study.name, name) != name:
                     raise UsageError(f"{known[study.name]!r} and {name!r} are both named {study.name!r}: rename one")
-                bench = Bench(study, self._plan, lambda name=study.name: self._wanted(name), ":" not in name, shared)
+                bench = Bench(study, self._plan, partial(self._wanted, study.name), ":" not in name, shared)
                 yield Branch.from_parent(self, name=study.name, bench=bench, tree=bench.declared())
         except MpmverifyError as error:
             raise self.CollectError(str(error)) from error
