@@ -61,7 +61,8 @@ def closure(problem: Problem, solver: str, half_times: Array) -> tuple[bool, tup
     conditions = [problem.boundary["x-"], problem.boundary["x+"]]
     joined = [isinstance(condition, Periodic) for condition in conditions]
     require(all(joined) or not any(joined), solver, problem, "Periodic on both faces or on neither")
-    prescribed, enters, holds, datum = [], [], [], np.zeros((2, half_times.size))
+    rows: list[list[list[float]]] = []
+    datum = np.zeros((2, half_times.size))
     for face, (normal, condition) in enumerate(zip((-1, 1), conditions, strict=True)):
         if isinstance(condition, Traction | Velocity | Inflow):
             datum[face] = condition.value(half_times)
@@ -69,26 +70,20 @@ def closure(problem: Problem, solver: str, half_times: Array) -> tuple[bool, tup
             inwards = normal * problem.material.velocity < 0
             fits = isinstance(condition, Periodic | (Inflow if inwards else Outflow))
             require(fits, solver, problem, "Inflow where the velocity points inwards, Outflow where not, or Periodic")
-            for row in (prescribed, enters, holds):
-                row.append([float(inwards)])
+            rows.append([[float(inwards)]] * 3)
             continue
         fits = isinstance(condition, Traction | Velocity | Absorbing | Periodic)
         require(fits, solver, problem, "Traction, Velocity, Absorbing or Periodic at the ends of a bar")
         nZ = normal * problem.material.density * problem.material.wave_speed
         match condition:
             case Traction():
-                prescribed.append([1.0, 0.0])
-                enters.append([1.0, 1 / nZ])
-                holds.append([1.0, 0.0])
+                rows.append([[1.0, 0.0], [1.0, 1 / nZ], [1.0, 0.0]])
             case Velocity():
-                prescribed.append([0.0, 1.0])
-                enters.append([nZ, 1.0])
-                holds.append([0.0, 1.0])
+                rows.append([[0.0, 1.0], [nZ, 1.0], [0.0, 1.0]])
             case _:
-                prescribed.append([1.0, nZ])
-                enters.append([0.5, 0.5 / nZ])
-                holds.append([0.5, 0.5 / nZ])
-    return not all(joined), (np.array(prescribed), np.array(enters), np.array(holds), datum)
+                rows.append([[1.0, nZ], [0.5, 0.5 / nZ], [0.5, 0.5 / nZ]])
+    prescribed, enters, holds = np.array(rows).swapaxes(0, 1).copy()
+    return not all(joined), (prescribed, enters, holds, datum)
 
 
 def per_area(problem: Problem, instants: Array, A: Array, history: tuple[Array, ...]) -> dict[str, Array]:
