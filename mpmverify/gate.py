@@ -1,8 +1,7 @@
 """Verdicts: what must hold of a series of runs, judged from stored numbers alone."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import StrEnum
 from typing import Protocol
 
 import numpy as np
@@ -11,21 +10,7 @@ from mpmverify.convergence import Convergence, analyse
 from mpmverify.norms import NORMS
 from mpmverify.problem import Array, Problem
 from mpmverify.solution import Solution
-
-
-class Verdict(StrEnum):
-    """Ordered from best to worst."""
-
-    PASS = "PASS"
-    INCONCLUSIVE = "INCONCLUSIVE"
-    FAIL = "FAIL"
-    ERROR = "ERROR"
-
-
-def worst(verdicts: Iterable[Verdict]) -> Verdict:
-    """Return the worst of some verdicts; nothing judged is inconclusive."""
-    order = list(Verdict)
-    return max(verdicts, key=order.index, default=Verdict.INCONCLUSIVE)
+from mpmverify.verdict import Judgement, Verdict, worst
 
 
 @dataclass(frozen=True)
@@ -62,9 +47,6 @@ class Evidence:
     def convergence(self, quantity: str, norm: str, expected: tuple[float, float] | None = None) -> Convergence:
         """Analyse one relative error over the levels in h."""
         return analyse(self.h, self.relative(quantity, norm), expected=expected)
-
-
-Judgement = tuple[Verdict, str]
 
 
 class Criterion(Protocol):

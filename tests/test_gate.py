@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mpmverify.convergence import PLAUSIBLE
 from mpmverify.criteria import CRITERIA, Amplification, Balance, EnergyConserved, EnergyDrift, Exact, Order, Published, Stall
-from mpmverify.criteria.judging import PLAUSIBLE
 from mpmverify.exact.amplification import two_step_taylor_galerkin
 from mpmverify.gate import Evidence, Finding, Verdict, exit_status, judge, worst
 from mpmverify.norms import NORMS

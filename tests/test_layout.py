@@ -21,7 +21,7 @@ MAPPED = {
 """Folder of each part of the one import namespace."""
 LAYERS = (
     {"errors"},
-    {"atomic", "problem"},
+    {"atomic", "problem", "verdict"},
     {"solution"},
     {"exact", "norms", "convergence", "gate", "baseline", "criteria"},
     {"study"},

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmverify.convergence import ROUND_OFF, Classification
-from mpmverify.criteria.judging import judge_largest, judge_order
+from mpmverify.convergence import ROUND_OFF, Classification, judge_order
+from mpmverify.criteria.judging import judge_largest
 from mpmverify.gate import Evidence, Judgement, Verdict
 from mpmverify.norms import NORMS
 from mpmverify.problem import Problem

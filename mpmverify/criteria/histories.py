@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmverify.convergence import analyse
-from mpmverify.criteria.judging import PLAUSIBLE, are_sizes, judge_largest, judge_order, relative_defect
+from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
+from mpmverify.criteria.judging import are_sizes, judge_largest, relative_defect
 from mpmverify.gate import Evidence, Judgement, Verdict
 from mpmverify.problem import Problem
 from mpmverify.solution import Solution

@@ -1,0 +1,106 @@
+"""Power laws through (h, error): slopes with their interval, and slopes above a floor."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtrit
+
+from mpmverify.problem import Array
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Least-squares line through (log h, log E).
+
+    Parameters
+    ----------
+    order : float
+        Slope p of E = A h^p.
+    low, high : float
+        Confidence interval of the slope by Student's t with n - 2 degrees of freedom; infinite with two levels.
+    constant : float
+        A, in the unit of the error per unit of h^p.
+    """
+
+    order: float
+    low: float
+    high: float
+    constant: float
+
+
+@dataclass(frozen=True)
+class FloorFit:
+    """E = E0 + A h^p, fitted to relative errors; `residual` is the root mean square of log(E/fit)."""
+
+    floor: float
+    constant: float
+    order: float
+    residual: float
+
+
+def pairwise_orders(h: Array, error: Array) -> Array:
+    """Return log(E_i/E_{i+1}) / log(h_i/h_{i+1}) from the actual h, (n - 1,); NaN where undefined."""
+    usable = np.isfinite(error) & (error > 0)
+    log_error = np.log(np.where(usable, error, 1.0))
+    orders = np.diff(log_error) / np.diff(np.log(h))
+    return np.where(usable[:-1] & usable[1:], orders, np.nan)
+
+
+def fit_order(h: Array, error: Array, confidence: float = CONFIDENCE) -> Fit:
+    """Fit E = A h^p to at least two levels of positive, finite error."""
+    x, y = np.log(h), np.log(error)
+    dx = x - x.mean()
+    sxx = float(dx @ dx)
+    order = float(dx @ y) / sxx
+    intercept = float(y.mean() - order * x.mean())
+    constant = math.exp(intercept) if intercept < 700 else math.inf
+    half_width = math.inf
+    if len(h) > 2:
+        residual = y - (intercept + order * x)
+        standard_error = math.sqrt(float(residual @ residual) / (len(h) - 2) / sxx)
+        half_width = float(stdtrit(len(h) - 2, 0.5 + confidence / 2)) * standard_error
+    return Fit(order, order - half_width, order + half_width, constant)
+
+
+def fit_floor(h: Array, error: Array) -> FloorFit:
+    """Fit E = E0 + A h^p, E0 >= 0 and A >= 0, to at least four levels.
+
+    Notes
+    -----
+    The relative residual is linear in (E0, A) at fixed p; p is then found by a bounded scalar search.
+    """
+    from scipy import optimize  # half a second that only a floor needs
+
+    size, unit = error.max(), h.max()
+    scaled, values = h / unit, error / size
+
+    def at(order: float) -> tuple[Array, float]:
+        columns = np.column_stack([np.ones_like(h), scaled**order]) / values[:, None]
+        return optimize.nnls(columns, np.ones_like(h))
+
+    best = optimize.minimize_scalar(lambda order: at(order)[1], bounds=(0.1, 8.0), method="bounded", options={"xatol": 1e-4})
+    (floor, constant), _ = at(best.x)
+    residual = float(np.sqrt(np.mean(np.log(values / (floor + constant * scaled**best.x)) ** 2)))
+    return FloorFit(float(floor * size), float(constant * size / np.power(unit, best.x)), float(best.x), residual)
+
+
+def significant_floor(h: Array, error: Array) -> FloorFit | None:
+    """E0 + A h^p when it explains a levelling series far better than A h^p does, else None.
+
+    Notes
+    -----
+    A floor shows when the last observed order is below half of the best one, E0 is more than half of the smallest error and
+    the fit's residual is below a third of the pure power law's. At least four levels are needed.
+    """
+    if len(h) < 4:
+        return None
+    orders = pairwise_orders(h, error)
+    if not (orders.max() > 0.5 and orders[-1] < 0.5 * orders.max()):
+        return None
+    line = fit_order(h / h[0], error)
+    spread = float(np.sqrt(np.mean(np.log(error / (line.constant * (h / h[0]) ** line.order)) ** 2)))
+    floor = fit_floor(h, error)
+    return floor if floor.floor > 0.5 * error.min() and floor.residual < spread / 3 else None
