@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import math
-from collections import Counter
 
 import numpy as np
 import pytest
@@ -294,91 +293,6 @@ def test_the_order_in_which_levels_are_stored_does_not_matter(shuffled, example)
         *({q: v[k] for q, v in getattr(evidence, name).items()} for name in ("error", "reference", "metrics")),
     )
     assert judge(criterion, other)[0] is expected
-
-
-# Random series of known kinds.
-
-
-def ladder(generator) -> np.ndarray:
-    levels = int(generator.integers(3, 9))
-    ratios = generator.uniform(1.3, 3, levels - 1) if generator.random() < 0.5 else np.full(levels - 1, 2.0)
-    return 10 ** generator.uniform(-3, 2) / np.cumprod([1.0, *ratios])
-
-
-SOUND = ("power law", "approached")
-UNSOUND = ("other order", "stagnant", "divergent", "turns up", "floor", "changes order", "blows up", "too good", "vanishes")
-
-
-def random_series(kind, low, high, generator):
-    """Sizes and errors of a series of some kind, in any order; the slowest term of an unsound one has taken over at its end.
-
-    It has by so much that the order at the finest level, noise apart, lies 0.3 below the band.
-    """
-    h = ladder(generator)
-    x, centre = h / h[-1], (low + high) / 2
-    inside = generator.uniform(low + (high - low) / 4, high - (high - low) / 4)
-    noise = generator.uniform(0, 0.02)
-
-    def with_tail(order, tail):
-        least = (order - (low - 0.3)) / (order - tail)
-        share = generator.uniform(max(0.5, min(0.99, least)), 1)
-        return (1 - share) * x**order + share * x**tail
-
-    if kind == "power law":
-        error = x**inside
-    elif kind == "approached":
-        power = generator.uniform(0.5, 3)
-        error = x**inside * np.abs(1 + generator.choice([-1, 1]) * generator.uniform(0, 0.25) * (x / x[-3]) ** power) + 1e-300
-    elif kind == "other order":
-        away = (high - low) / 2 + generator.uniform(0.3, 1.5)
-        error = x ** (centre - away if generator.random() < 0.5 and centre - away > 0 else centre + away)
-        noise *= 5
-    elif kind == "stagnant":
-        error = x ** generator.uniform(-0.2, 0.2)
-        noise *= 10
-    elif kind == "divergent":
-        error = x ** generator.uniform(-4, -0.3)
-        noise *= 5
-    elif kind == "turns up":
-        error = with_tail(inside, generator.uniform(-3, -0.3))
-    elif kind == "floor":
-        error = with_tail(inside + generator.choice([0, generator.uniform(0, 2)]), 0.0)
-    elif kind == "changes order":
-        error = with_tail(inside + generator.uniform(0, 1), max(0.05, low - generator.uniform(0.3, 1.5)))
-    else:
-        error = x**inside
-    error = error / error[-1] * 10 ** generator.uniform(-9, 0) * np.exp(noise * generator.standard_normal(len(h)))
-    error[-1] *= {"blows up": 10 ** generator.uniform(1, 6), "too good": 10 ** -generator.uniform(2, 8), "vanishes": 0}.get(
-        kind, 1
-    )
-    shuffled = generator.permutation(len(h))
-    return h[shuffled], error[shuffled]
-
-
-def tally(kinds, count, seed) -> Counter:
-    generator = np.random.default_rng(seed)
-    verdicts: Counter = Counter()
-    for k in range(count):
-        centre = generator.choice([0.5, 1, 1.5, 2, 3, 4])
-        half_width = generator.uniform(0.1, 0.15 if centre < 1 else 0.4)
-        low, high = centre - half_width, centre + half_width
-        h, error = random_series(kinds[k % len(kinds)], low, high, generator)
-        verdicts[judge(Order("u", "L2", low, high, ""), series(error, h))[0]] += 1
-    return verdicts
-
-
-def test_of_many_random_series_hardly_one_gets_a_wrong_pass():
-    verdicts = tally(UNSOUND, 2250, seed=1)
-    assert verdicts[PASS] < 0.001 * 2250
-    assert verdicts[FAIL] > 0.6 * 2250
-    assert verdicts[ERROR] == 0
-
-
-def test_of_many_random_series_hardly_one_gets_a_wrong_fail():
-    verdicts = tally(SOUND, 800, seed=2)
-    assert verdicts[FAIL] < 0.01 * 800
-    assert verdicts[ERROR] == 0
-    assert tally(SOUND[:1], 400, seed=3)[PASS] > 0.9 * 400
 
 
 # Evidence.

@@ -23,7 +23,7 @@ LAYERS = (
     {"errors"},
     {"atomic", "problem", "verdict"},
     {"solution"},
-    {"exact", "norms", "convergence", "gate", "baseline", "criteria"},
+    {"exact", "norms", "convergence", "gate", "baseline", "criteria", "synthetic"},
     {"study"},
     {"dataset"},
     {"evaluation", "pool", "runner", "summary", "display", "verification", "bench"},

@@ -1,6 +1,8 @@
 """How an error series becomes a verdict."""
 
-from mpmverify.convergence.series import STEP_SLACK, Classification, Convergence
+from mpmverify.convergence.levels import Numbers
+from mpmverify.convergence.series import FLAT, ROUND_OFF, STEP_SLACK, Classification, Convergence, analyse
+from mpmverify.errors import UsageError
 from mpmverify.verdict import Judgement, Verdict
 
 PLAUSIBLE = 12.0
@@ -13,7 +15,8 @@ def judge_order(series: Convergence, low: float, high: float) -> Judgement:
     PASS when the interval lies in the band, the finest step strays from it by no more than `STEP_SLACK`, and the order is not
     falling out of it unchecked. FAIL when the error stops, grows or its interval lies wholly outside, and the finest step
     lies outside on the same side and is not on its way in: levels that are not asymptotic yet accuse nobody. No band reaches
-    down to what does not converge, nor beyond `PLAUSIBLE`.
+    down to what does not converge, nor beyond `PLAUSIBLE`. An error that grows in the finest step but has fallen fast enough in
+    the last two together may alternate.
     """
     kind, fit, used = series.classification, series.fit, int(series.kept.sum())
     if kind is Classification.NON_FINITE:
@@ -27,12 +30,15 @@ def judge_order(series: Convergence, low: float, high: float) -> Judgement:
         measured += f", without {'; '.join(series.dropped)}"
     change, lasts = series.trend()
     step, ahead = series.finest_step(low, high), series.finest_step(low, high, change)
-    too_slow, too_fast = max(step, ahead) < 0, min(step, ahead) > 0
+    approaches = series.approaches(low, high)
+    too_slow, too_fast = step < 0 and not approaches, step > 0 and not approaches
     if series.floor is not None:
         reason = f"the error stops at a floor of {series.floor.floor:.2e} of the solution: {measured}"
         return Verdict.FAIL if too_slow else Verdict.INCONCLUSIVE, reason
     if kind in (Classification.STAGNANT, Classification.DIVERGENT):
-        return Verdict.FAIL if too_slow else Verdict.INCONCLUSIVE, f"the error does not converge: {measured}"
+        if too_slow and series.last_two_steps(low) < 0:
+            return Verdict.FAIL, f"the error does not converge: {measured}"
+        return Verdict.INCONCLUSIVE, f"the error does not converge on these levels: {measured}"
     if fit.high < low or fit.low > high:
         if too_slow if fit.high < low else too_fast:
             return Verdict.FAIL, f"{measured} lies outside {band}"
@@ -44,3 +50,36 @@ def judge_order(series: Convergence, low: float, high: float) -> Judgement:
     if not abs(step) <= STEP_SLACK or (lasts and ahead < -STEP_SLACK):
         return Verdict.INCONCLUSIVE, f"{measured} lies in {band}, but the finest levels leave it: add a finer level"
     return Verdict.PASS, measured
+
+
+def verdict(
+    h: Numbers,
+    error: Numbers | None = None,
+    *,
+    band: tuple[float, float] | None = None,
+    round_off: float = ROUND_OFF,
+    uncertainty: float = 0.0,
+) -> Judgement:
+    """Verdict on an error series from any code, with the reason in one sentence.
+
+    Parameters
+    ----------
+    h, error, round_off, uncertainty
+        As `analyse` takes them.
+    band : (float, float), optional
+        Accepted band of orders. Without one an error that does not converge fails, and nothing passes: an order without an
+        expectation is a measurement and no verification.
+
+    Raises
+    ------
+    UsageError
+        If the series is none, as `analyse` says, or the band is no band.
+    """
+    low, high = band or (FLAT, PLAUSIBLE)
+    if not low < high:
+        raise UsageError(f"the band of orders [{low:g}, {high:g}] is empty: give its lower edge first")
+    series = analyse(h, error, expected=band, round_off=round_off, uncertainty=uncertainty)
+    found, reason = judge_order(series, low, high)
+    if band is None and found is Verdict.PASS:
+        return Verdict.INCONCLUSIVE, f"{reason}; without a band to expect it in, no order passes"
+    return found, reason

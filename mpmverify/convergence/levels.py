@@ -1,0 +1,64 @@
+"""Levels of a series, from whatever holds numbers: sequences, arrays, pandas and xarray objects, neither of which is imported."""
+
+from typing import Any
+
+import numpy as np
+
+from mpmverify.errors import UsageError
+from mpmverify.problem import Array
+
+Numbers = Any
+"""Anything that numpy makes a one-dimensional array of numbers of."""
+
+
+def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
+    """Sizes and values (n,), coarsest first.
+
+    Parameters
+    ----------
+    h : array-like
+        Sizes (n,); or, without `value`, a pandas Series of values with the sizes as its index, or an xarray DataArray of values
+        with a coordinate "h", or else the sizes as the coordinate of its dimension.
+    value : array-like, optional
+        Values (n,). What is masked is NaN.
+
+    Raises
+    ------
+    UsageError
+        If the arrays do not match, hold no numbers, or a size is not positive, finite and given once.
+    """
+    if value is None:
+        h, value = _sizes_of(h), h
+    h, value = numbers(h, "h"), numbers(value, "the values")
+    if h.ndim != 1 or h.shape != value.shape or not len(h):
+        raise UsageError(
+            f"h and the values must be two lists of the same positive length, not of shapes {h.shape} and {value.shape}"
+        )
+    if not np.all(np.isfinite(h) & (h > 0)) or len(np.unique(h)) < len(h):
+        raise UsageError("every h must be positive, finite and given once")
+    coarse_first = np.argsort(-h)
+    return h[coarse_first], value[coarse_first]
+
+
+def numbers(values: Numbers, what: str) -> Array:
+    """Real numbers as an array; a masked one is NaN, since numpy would bring to light what the mask hides."""
+    try:
+        if np.iscomplexobj(values):
+            raise TypeError("complex")
+        if isinstance(values, np.ma.MaskedArray):
+            return values.astype(float).filled(np.nan)
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"{what} must be real numbers ({error})") from error
+
+
+def _sizes_of(series: Numbers) -> Numbers:
+    if hasattr(series, "coords"):
+        names = [name for name in ("h", *series.dims) if name in series.coords]
+        if names:
+            return series.coords[names[0]]
+    elif hasattr(series, "to_numpy") and hasattr(series, "index"):
+        return series.index
+    raise UsageError(
+        "without h, the errors must be a pandas Series with h as its index, or an xarray DataArray with a coordinate h"
+    )
