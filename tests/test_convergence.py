@@ -3,12 +3,15 @@
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpmverify.convergence import ROUND_OFF, Classification, analyse, fit_floor, fit_order, pairwise_orders
+from mpmverify.convergence import ROUND_OFF, Classification, analyse, fit_floor, fit_order, pairwise_orders, verdict
 from mpmverify.errors import UsageError
+from mpmverify.verdict import Verdict
 
 LIGHT = settings(max_examples=25, deadline=None)
 HALVED = 2.0 ** -np.arange(8)
@@ -274,6 +277,37 @@ def test_a_trend_of_the_order_shows_in_the_last_three(orders, change, lasts):
         assert found[1] is lasts
 
 
+@pytest.mark.parametrize(
+    ("orders", "approaches"),
+    [
+        ((3.0, 3.0, 3.0, 3.0), False),
+        ((3.05, 3.01, 3.003), False),
+        ((3.6, 3.4, 3.2, 3.0, 2.6), True),
+        ((3.9, 3.9, 3.8, 3.5, 2.9), True),
+        ((2.9, 2.6, 2.4), True),
+        ((2.5, 2.8, 3.1), False),
+        ((1.2, 1.4, 1.6), True),
+        ((1.0, 1.0, 1.0), False),
+        ((1.6, 1.4, 1.2), False),
+        ((2.1, 2.0, 2.0), False),
+    ],
+)
+def test_an_order_outside_the_band_approaches_it_when_it_is_likely_to_get_there(orders, approaches):
+    error = np.exp(-np.log(2) * np.cumsum([0.0, *orders]))
+    assert analyse(HALVED[: len(error)], error).approaches(1.8, 2.2) is approaches
+
+
+@LIGHT
+@given(ladders(3, 8), ORDERS, st.floats(-2, 2))
+def test_two_steps_together_do_not_see_what_alternates(h, order, amplitude):
+    error = power_law(h, order, 1e-3) * np.exp(amplitude * (-1.0) ** np.arange(len(h)))
+    series = analyse(h, error)
+    if series.kept.all():
+        assert series.last_two_steps(order) == pytest.approx(0, abs=1e-9)
+        assert series.last_two_steps(order + 1) == pytest.approx(-math.log(h[-3] / h[-1]))
+        assert series.last_two_steps(order - 1) == 0
+
+
 @pytest.mark.parametrize(("last", "plunges"), [(0.0, True), (1e-13, True), (2.0**-14, False)])
 def test_an_error_that_is_suddenly_exact_plunges(last, plunges):
     error = np.append(HALVED[:7] ** 2, last)
@@ -303,3 +337,89 @@ def test_an_error_that_reaches_round_off_at_its_order_does_not_plunge():
 def test_series_that_cannot_mean_anything_are_refused(h, error):
     with pytest.raises(UsageError):
         analyse(h, error)
+
+
+@pytest.mark.parametrize("bad", [[1j, 1.0], np.array([1j, 1.0]), ["a", "b"], [[1.0], [1.0, 2.0]]])
+def test_what_is_no_number_is_refused(bad):
+    for arguments in ((bad, [1.0, 0.5]), ([1.0, 0.5], bad)):
+        with pytest.raises(UsageError, match="real numbers"):
+            analyse(*arguments)
+
+
+# Whatever holds numbers.
+
+SIZES, ERRORS = [0.125, 1.0, 0.25, 0.5], [0.03, 2.1, 0.11, 0.5]
+TABLE = pd.DataFrame({"h": SIZES, "error": ERRORS})
+LEVELS = xr.Dataset({"error": ("level", ERRORS)}, coords={"h": ("level", SIZES), "dt": ("level", [1, 2, 3, 4])})
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (tuple(SIZES), ERRORS),
+        (np.array(SIZES), np.array(ERRORS)),
+        (np.array(SIZES, dtype=object), np.ma.masked_array(ERRORS)),
+        (TABLE["h"], TABLE["error"]),
+        (TABLE.set_index("h")["error"],),
+        (TABLE["h"].astype("Float64"), TABLE["error"].astype("Float64")),
+        (LEVELS["h"], LEVELS["error"]),
+        (LEVELS["error"],),
+        (LEVELS["error"].swap_dims(level="h").drop_vars("dt"),),
+        (xr.DataArray(ERRORS, dims="cell_size", coords={"cell_size": SIZES}),),
+    ],
+)
+def test_a_series_is_the_same_from_whatever_holds_it(arguments):
+    one, other = analyse(*arguments), analyse(SIZES, ERRORS)
+    np.testing.assert_array_equal(one.h, other.h)
+    np.testing.assert_array_equal(one.error, other.error)
+    assert one.fit == other.fit
+
+
+@pytest.mark.parametrize("series", [SIZES, np.array(SIZES), xr.DataArray(ERRORS, dims="level"), TABLE])
+def test_errors_alone_must_carry_their_sizes(series):
+    with pytest.raises(UsageError):
+        analyse(series)
+
+
+def test_what_is_masked_or_missing_is_not_finite():
+    masked = np.ma.masked_array([1.0, 0.25, 1 / 16, 1 / 64], mask=[False, True, False, False])
+    assert analyse(HALVED[:4], masked).classification is Classification.NON_FINITE
+    missing = pd.Series([1.0, None, 1 / 16, 1 / 64], index=HALVED[:4])
+    assert verdict(missing, band=(1.8, 2.2))[0] is Verdict.ERROR
+
+
+# The verdict in one call.
+
+
+@pytest.mark.parametrize(
+    ("error", "band", "expected"),
+    [
+        (HALVED**2, (1.8, 2.2), Verdict.PASS),
+        (HALVED**1, (1.8, 2.2), Verdict.FAIL),
+        (HALVED**3, (1.8, 2.2), Verdict.FAIL),
+        (HALVED**1.81 * (1 + 0.1 * (HALVED == 1)), (1.8, 2.2), Verdict.INCONCLUSIVE),
+        (HALVED**2, None, Verdict.INCONCLUSIVE),
+        (HALVED**-2, None, Verdict.FAIL),
+        (np.full(8, 0.3), None, Verdict.FAIL),
+        (1e-2 + HALVED**3, None, Verdict.FAIL),
+        (HALVED**14.0, None, Verdict.FAIL),
+        (np.where(HALVED == 0.25, np.nan, HALVED**2), (1.8, 2.2), Verdict.ERROR),
+        (np.where(HALVED == 0.25, np.inf, HALVED**2), None, Verdict.ERROR),
+    ],
+)
+def test_verdict_in_one_call(error, band, expected):
+    found, reason = verdict(HALVED, error, band=band)
+    assert found is expected
+    assert reason
+
+
+def test_without_a_band_the_order_is_told_and_the_reason_why_it_does_not_pass():
+    _, reason = verdict(HALVED, HALVED**2)
+    assert reason.startswith("order 2.000, interval [2.000, 2.000] from 8 levels (asymptotic)")
+    assert reason.endswith("without a band to expect it in, no order passes")
+
+
+@pytest.mark.parametrize("band", [(2.2, 1.8), (2.0, 2.0), (math.nan, 2.2), (1.8, math.nan)])
+def test_a_band_that_is_none_is_refused(band):
+    with pytest.raises(UsageError, match="band"):
+        verdict(HALVED, HALVED**2, band=band)

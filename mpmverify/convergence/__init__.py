@@ -1,21 +1,30 @@
 """Orders of convergence, what they are worth, and verdicts on them: plain arrays from any code in, no solver near."""
 
 from mpmverify.convergence.fits import CONFIDENCE, Fit, FloorFit, fit_floor, fit_order, pairwise_orders
+from mpmverify.convergence.gci import Behaviour, GridConvergence, grid_convergence, grid_convergence_of_differences
 from mpmverify.convergence.judging import PLAUSIBLE, judge_order, verdict
+from mpmverify.convergence.reference import Reference, qualify, qualify_by_differences
 from mpmverify.convergence.series import ROUND_OFF, Classification, Convergence, analyse
 
 __all__ = [
     "CONFIDENCE",
     "PLAUSIBLE",
     "ROUND_OFF",
+    "Behaviour",
     "Classification",
     "Convergence",
     "Fit",
     "FloorFit",
+    "GridConvergence",
+    "Reference",
     "analyse",
     "fit_floor",
     "fit_order",
+    "grid_convergence",
+    "grid_convergence_of_differences",
     "judge_order",
     "pairwise_orders",
+    "qualify",
+    "qualify_by_differences",
     "verdict",
 ]

@@ -1,0 +1,84 @@
+"""Numerical references: a solution stands for the exact one only after it has qualified itself."""
+
+import math
+from dataclasses import dataclass
+
+from mpmverify.convergence.gci import Behaviour, GridConvergence, grid_convergence, grid_convergence_of_differences
+from mpmverify.convergence.levels import Numbers, levels
+from mpmverify.convergence.series import FLAT, REFERENCE_MARGIN
+from mpmverify.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A numerical solution that may stand for the exact one, its finest level.
+
+    Parameters
+    ----------
+    convergence : GridConvergence
+        What its own ladder says.
+    size : float
+        What the uncertainty is relative to, in the unit of the quantity.
+    """
+
+    convergence: GridConvergence
+    size: float
+
+    @property
+    def qualified(self) -> bool:
+        """Whether three levels converge monotonically, at an order that is one, to something that is not zero."""
+        monotone = self.convergence.behaviour is Behaviour.MONOTONE
+        return monotone and FLAT < self.convergence.order < math.inf and self.size > 0
+
+    @property
+    def uncertainty(self) -> float:
+        """Relative uncertainty [1]; infinite when it is not qualified, so that it gates nothing."""
+        return self.convergence.uncertainty / self.size if self.qualified else math.inf
+
+    @property
+    def reason(self) -> str:
+        """Why it is qualified or not, in one sentence."""
+        found = self.convergence
+        if self.qualified:
+            return (
+                f"qualified: it converges at order {found.order:.2f}, with a relative uncertainty of {self.uncertainty:.1e} "
+                f"(factor of safety {found.factor:g})"
+            )
+        if not self.size > 0:
+            return f"not qualified: a size of {self.size:g} has no relative uncertainty"
+        if found.behaviour is Behaviour.MONOTONE:
+            return f"not qualified: order {found.order:.2f} is that of nothing that converges"
+        return f"not qualified: its finest levels are {found.behaviour}" + (
+            "; three are needed" if found.behaviour is Behaviour.TOO_SHORT else ""
+        )
+
+    def may_gate(self, error: float) -> bool:
+        """Whether a relative error is large enough to be told from that of the reference."""
+        return error > REFERENCE_MARGIN * self.uncertainty
+
+
+def qualify(h: Numbers, value: Numbers | None = None, *, formal: float) -> Reference:
+    """Qualify a reference by a scalar quantity on its own ladder; arguments as in `grid_convergence`.
+
+    The uncertainty is relative to the finest value.
+    """
+    h, value = levels(h, value)
+    return Reference(grid_convergence(h, value, formal=formal), abs(float(value[-1])))
+
+
+def qualify_by_differences(h: Numbers, difference: Numbers, *, formal: float, size: float) -> Reference:
+    """Qualify a reference by the differences of its own solutions; arguments as in `grid_convergence_of_differences`.
+
+    Parameters
+    ----------
+    size : float
+        Norm of the finest solution, the one that the differences are taken in.
+
+    Raises
+    ------
+    UsageError
+        If the size is negative or not finite.
+    """
+    if not (math.isfinite(size) and size >= 0):
+        raise UsageError(f"the norm of the finest solution cannot be {size:g}")
+    return Reference(grid_convergence_of_differences(h, difference, formal=formal), float(size))
