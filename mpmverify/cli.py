@@ -12,6 +12,7 @@ import click
 
 from mpmverify import __version__
 from mpmverify.errors import MpmverifyError, UsageError
+from mpmverify.judge import judge
 
 if TYPE_CHECKING:
     from mpmverify.gate import Finding
@@ -193,6 +194,9 @@ def gate(
         _write(summary, summaries.markdown(findings).encode(), "ab")
     show(findings, explain=explain)
     sys.exit(exit_status([finding.verdict for finding in findings], strict=strict))
+
+
+cli.add_command(judge)
 
 
 @cli.command()

@@ -1,7 +1,7 @@
 """What the command line shows: progress while runs go on, then the verdicts."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 
 from rich.console import Console
@@ -10,7 +10,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, Tim
 from rich.progress import Progress as Bars
 from rich.table import Table
 
-from mpmverify.gate import Finding, Verdict
+from mpmverify.gate import Finding, Judgement, Verdict
 from mpmverify.summary import counts, matrix, ranked
 
 STYLES = {Verdict.PASS: "green", Verdict.INCONCLUSIVE: "yellow", Verdict.FAIL: "bold red", Verdict.ERROR: "bold magenta"}
@@ -67,3 +67,10 @@ def show(findings: Sequence[Finding], *, explain: bool = False) -> None:
     if not explain and len(ranked(findings)) > LISTED:
         console.print(f"and {len(ranked(findings)) - LISTED} more: --explain shows all")
     console.print(f"{counts(findings)}.", highlight=False)
+
+
+def show_judgements(judgements: Mapping[str, Judgement]) -> None:
+    """Print verdicts by name, one a line, with the reason."""
+    console = Console()
+    for name, (verdict, reason) in judgements.items():
+        console.print(f"[{STYLES[verdict]}]{verdict}[/]", escape(f"{name}: {reason}"), highlight=False, soft_wrap=True)

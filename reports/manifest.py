@@ -13,7 +13,16 @@ from mpmverify.dataset.files import Results
 from mpmverify.errors import ResultsError
 
 LIBRARIES = ("jinja2", "latex2mathml", "plotly")
-SOURCES = ("convergence.py", "gate.py", "norms.py", "summary.py", "dataset/study.py", "dataset/verdicts.py")
+SOURCES = (
+    "convergence/fits.py",
+    "convergence/series.py",
+    "dataset/study.py",
+    "dataset/verdicts.py",
+    "gate.py",
+    "norms.py",
+    "summary.py",
+    "verdict.py",
+)
 """Modules of the core that a page depends on, beside the report itself."""
 
 

@@ -4,10 +4,12 @@ from mpmverify.convergence.fits import CONFIDENCE, Fit, FloorFit, fit_floor, fit
 from mpmverify.convergence.gci import Behaviour, GridConvergence, grid_convergence, grid_convergence_of_differences
 from mpmverify.convergence.judging import PLAUSIBLE, judge_order, verdict
 from mpmverify.convergence.reference import Reference, qualify, qualify_by_differences
-from mpmverify.convergence.series import ROUND_OFF, Classification, Convergence, analyse
+from mpmverify.convergence.series import FLAT, ROUND_OFF, Classification, Convergence, analyse
+from mpmverify.convergence.table import Table, read_table
 
 __all__ = [
     "CONFIDENCE",
+    "FLAT",
     "PLAUSIBLE",
     "ROUND_OFF",
     "Behaviour",
@@ -17,6 +19,7 @@ __all__ = [
     "FloorFit",
     "GridConvergence",
     "Reference",
+    "Table",
     "analyse",
     "fit_floor",
     "fit_order",
@@ -26,5 +29,6 @@ __all__ = [
     "pairwise_orders",
     "qualify",
     "qualify_by_differences",
+    "read_table",
     "verdict",
 ]

@@ -34,10 +34,13 @@ def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
         raise UsageError(
             f"h and the values must be two lists of the same positive length, not of shapes {h.shape} and {value.shape}"
         )
-    if not np.all(np.isfinite(h) & (h > 0)) or len(np.unique(h)) < len(h):
-        raise UsageError("every h must be positive, finite and given once")
+    for size in h[~(np.isfinite(h) & (h > 0))]:
+        raise UsageError(f"every h must be positive and finite, not {size:g}")
     coarse_first = np.argsort(-h)
-    return h[coarse_first], value[coarse_first]
+    h, value = h[coarse_first], value[coarse_first]
+    for size in h[:-1][np.diff(h) == 0]:
+        raise UsageError(f"h={size:g} is given twice: every level needs a size of its own")
+    return h, value
 
 
 def numbers(values: Numbers, what: str) -> Array:

@@ -1,0 +1,99 @@
+"""Error series in a CSV file, one level a line."""
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mpmverify.errors import ResultsError, UsageError
+from mpmverify.problem import Array
+
+DELIMITERS = ",;\t"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Cells of a CSV file by named columns.
+
+    Parameters
+    ----------
+    path : Path
+    names : tuple of str
+    rows : tuple of (int, tuple of str)
+        Line number in the file, and the cells.
+    """
+
+    path: Path
+    names: tuple[str, ...]
+    rows: tuple[tuple[int, tuple[str, ...]], ...]
+
+    def numbers(self, name: str) -> Array:
+        """One column (n,).
+
+        Raises
+        ------
+        UsageError
+            If there is no such column, or a cell of it is no number; "nan" and "inf" are numbers.
+        """
+        if name not in self.names:
+            raise UsageError(f"'{self.path}' has no column {name!r}: choose from {', '.join(self.names)}")
+        column = self.names.index(name)
+        for line, cells in self.rows:
+            if not _is_number(cells[column]):
+                raise UsageError(
+                    f"'{self.path}', line {line}: {cells[column]!r} in column {name!r} is no number; leave the column out, or mend it"
+                )
+        return np.array([float(cells[column]) for _, cells in self.rows])
+
+
+def read_table(path: Path) -> Table:
+    """Read a CSV file whose first line names the columns, which commas, semicolons or tabs separate; empty lines are skipped.
+
+    Raises
+    ------
+    ResultsError
+        If the file cannot be read, or is no text.
+    UsageError
+        If it has no line of names or no level, a name is missing or stands twice, or a line has another number of cells.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ResultsError(f"cannot read '{path}' ({error.strerror}): choose another file") from error
+    except UnicodeDecodeError as error:
+        raise ResultsError(f"'{path}' is no text: give a CSV file with a column h and one of errors") from error
+    first = text.lstrip().partition("\n")[0]
+    delimiter = max(DELIMITERS, key=first.count)
+    try:
+        reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
+        lines = [(reader.line_num, tuple(cell.strip() for cell in cells)) for cells in reader if any(map(str.strip, cells))]
+    except csv.Error as error:
+        raise UsageError(f"'{path}', line {reader.line_num}: {error}") from error
+    names = lines[0][1] if lines else ()
+    _check_names(path, names)
+    for line, cells in lines[1:]:
+        if len(cells) != len(names):
+            raise UsageError(f"'{path}', line {line} has {len(cells)} cells where {len(names)} columns are named")
+    if len(lines) < 2:
+        raise UsageError(f"'{path}' has no level below its line of names")
+    return Table(path, names, tuple(lines[1:]))
+
+
+def _check_names(path: Path, names: Sequence[str]) -> None:
+    if not names:
+        raise UsageError(f"'{path}' is empty: give a CSV file with a column h and one of errors")
+    if any(_is_number(name) for name in names):
+        raise UsageError(f"'{path}' must name its columns in the first line, such as h,error, and not begin with numbers")
+    if "" in names or len(set(names)) < len(names):
+        raise UsageError(f"'{path}' must name every column in the first line, and each name once")
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return "_" not in cell  # 1_000 is a number to Python alone

@@ -1,0 +1,131 @@
+"""The command that judges a CSV file of errors: a verdict a column, and one sentence for a file that is none."""
+
+import pytest
+from click.testing import CliRunner
+
+from mpmverify.cli import cli
+from mpmverify.convergence import read_table
+
+SECOND = "h,error\n0.1,4.1e-3\n0.05,1.0e-3\n0.025,2.6e-4\n0.0125,6.4e-5\n"
+BAND = ("--low", "1.8", "--high", "2.2")
+
+
+@pytest.fixture
+def judge(tmp_path):
+    def call(content, *options):
+        path = tmp_path / "errors.csv"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return CliRunner().invoke(cli, ["judge", str(path), *options])
+
+    return call
+
+
+@pytest.mark.parametrize(
+    ("content", "options", "status", "verdict"),
+    [
+        (SECOND, BAND, 0, "PASS"),
+        (SECOND, ("--low", "1.8"), 0, "PASS"),
+        (SECOND, ("--high", "2.2"), 0, "PASS"),
+        (SECOND, ("--low", "2.5"), 1, "FAIL"),
+        (SECOND, ("--high", "1.5"), 1, "FAIL"),
+        (SECOND, (), 0, "INCONCLUSIVE"),
+        (SECOND, ("--strict",), 4, "INCONCLUSIVE"),
+        (SECOND.replace("1.0e-3", "nan"), BAND, 3, "ERROR"),
+        (SECOND.replace("1.0e-3", "Inf"), (), 3, "ERROR"),
+        ("h,error\n1,1\n2,1\n4,1\n", (), 1, "FAIL"),
+        ("h,error\n1,1\n2,4\n", BAND, 0, "INCONCLUSIVE"),
+    ],
+)
+def test_exit_statuses(judge, content, options, status, verdict):
+    result = judge(content, *options)
+    assert result.exit_code == status
+    assert result.output.startswith(f"{verdict} error: ")
+
+
+def test_without_a_band_the_order_its_interval_and_its_kind_are_told(judge):
+    output = judge(SECOND).output
+    assert "order 1.995, interval [1.942, 2.048] from 4 levels (asymptotic)" in output
+    assert "no order passes" in output
+
+
+def test_every_level_that_is_not_used_is_named(judge):
+    assert "h=0.0125: at round-off" in judge(SECOND.replace("6.4e-5", "1e-14"), *BAND).output
+
+
+def test_every_other_column_is_an_error_and_the_worst_decides(judge):
+    two = "dt;displacement;velocity\n4;16;4\n2;4;2\n1;1;1\n"
+    result = judge(two, *BAND)
+    assert [line.split(":")[0] for line in result.output.splitlines()] == ["PASS displacement", "FAIL velocity"]
+    assert result.exit_code == 1
+    assert judge(two, "--error", "displacement", *BAND).exit_code == 0
+    assert judge(two, "--h", "velocity", "--error", "displacement", *BAND).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    "same",
+    [
+        SECOND.replace(",", ";"),
+        SECOND.replace(",", "\t"),
+        SECOND.replace(",", " , "),
+        SECOND.replace("\n", "\r\n"),
+        SECOND.replace("\n", "\n\n"),
+        "\ufeff" + SECOND,
+        SECOND.replace("error", '"error"'),
+        SECOND.rstrip(),
+        "\n".join([SECOND.splitlines()[0], *reversed(SECOND.splitlines()[1:])]),
+    ],
+)
+def test_what_separates_and_how_levels_are_ordered_does_not_matter(judge, same):
+    assert judge(same, *BAND).output == judge(SECOND, *BAND).output
+
+
+@pytest.mark.parametrize(
+    ("content", "options", "said"),
+    [
+        ("", (), "is empty"),
+        ("\n \n", (), "is empty"),
+        ("h,error\n", (), "has no level"),
+        ("0.1,0.2\n0.05,0.1\n", (), "must name its columns in the first line"),
+        ("h\n1\n2\n", (), "has no column of errors beside 'h'"),
+        ("h,\n1,2\n", (), "must name every column"),
+        ("h,e,e\n1,2,3\n", (), "each name once"),
+        ("h,e\n1,2\n3\n", (), "line 3 has 1 cells where 2 columns are named"),
+        ("h,e\n1,2\n\n3,4,5\n", (), "line 4 has 3 cells"),
+        ("h,e\n1,two\n", (), "line 2: 'two' in column 'e' is no number"),
+        ("h,e\n1,\n", (), "line 2: '' in column 'e' is no number"),
+        ("h,e\n1,1_0\n", (), "'1_0' in column 'e' is no number"),
+        ("h;e\n0,1;2\n", (), "'0,1' in column 'h' is no number"),
+        ("h,e\n1,2\n1,3\n", (), "h=1 is given twice"),
+        ("h,e\n0,2\n1,3\n", (), "every h must be positive and finite, not 0"),
+        ("h,e\nnan,2\n1,3\n", (), "every h must be positive and finite, not nan"),
+        ("h,e\n2,2\n1,-3\n", (), "an error norm cannot be negative"),
+        (SECOND, ("--error", "u"), "has no column 'u': choose from h, error"),
+        (SECOND, ("--h", "dx"), "has no column 'dx': choose from h, error"),
+        (SECOND, ("--low", "3", "--high", "2"), "the band of orders [3, 2] is empty"),
+        (SECOND, ("--low", "nan"), "the band of orders"),
+        (b"\xff\xfe\x00\x00", (), "is no text"),
+        ('h,e\n"1,2\n', (), "line 2"),
+    ],
+)
+def test_a_file_that_is_no_table_of_errors_is_refused_in_one_sentence(judge, content, options, said):
+    result = judge(content, *options)
+    assert result.exit_code == 2
+    assert said in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert "Traceback" not in result.stderr
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path):
+    for path in (tmp_path / "none.csv", tmp_path):
+        result = CliRunner().invoke(cli, ["judge", str(path)])
+        assert result.exit_code == 2
+        assert str(path) in result.stderr
+
+
+def test_a_table_gives_its_columns_as_numbers(tmp_path):
+    path = tmp_path / "errors.csv"
+    path.write_text("h,who,error\n1,me,nan\n2,you,inf\n")
+    table = read_table(path)
+    assert table.names == ("h", "who", "error")
+    assert table.numbers("h").tolist() == [1, 2]
+    assert str(table.numbers("error").tolist()) == "[nan, inf]"
