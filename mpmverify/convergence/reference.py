@@ -27,8 +27,7 @@ class Reference:
     @property
     def qualified(self) -> bool:
         """Whether three levels converge monotonically, at an order that is one, to something that is not zero."""
-        monotone = self.convergence.behaviour is Behaviour.MONOTONE
-        return monotone and FLAT < self.convergence.order < math.inf and self.size > 0
+        return FLAT < self.convergence.order < math.inf and self.size > 0
 
     @property
     def uncertainty(self) -> float:

@@ -1,0 +1,368 @@
+"""A wrong harness is seen: what must hold of the judge, of norms and of the baseline breaks in a copy with one fault.
+
+A copy of a module or package is made with one edit and imported under another name. The properties below hold of the unmodified
+copy; of every other at least one that is named for it must not.
+"""
+
+import importlib
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mpmverify
+
+ROOT = Path(mpmverify.__file__).parent
+H = np.array([0.5, 0.1, 0.25, 0.04, 0.02])
+"""Unequal ratios, in no order: what an index says of them is wrong."""
+FINEST, COARSEST = H == 0.02, H == 0.5
+BAND = (1.8, 2.2)
+
+
+# Properties of the convergence package.
+
+
+def same(found: Any, expected: Any, **tolerance: float) -> None:
+    np.testing.assert_allclose(found, expected, **({"rtol": 1e-9} | tolerance))
+
+
+def orders_are_those_of_the_sizes(c: ModuleType) -> None:
+    for order in (-1.5, 0.7, 2.0):
+        series = c.analyse(H, 3e-3 * H**order)
+        same(series.pairwise, order)
+        same(series.fit.order, order)
+        same(series.fit.constant, 3e-3)
+        same(series.h, np.sort(H)[::-1])
+        same(series.error, 3e-3 * np.sort(H)[::-1] ** order)
+
+
+def scattered_orders_are_those_of_least_squares(c: ModuleType) -> None:
+    error = 0.1 * H**2 * [1, 1.3, 0.8, 1.1, 0.9]
+    fit = c.fit_order(H, error)
+    same(fit.order, np.polyfit(np.log(H), np.log(error), 1)[0])
+    same((fit.low + fit.high) / 2, fit.order)
+    (slope, _), covariance = np.polyfit(np.log(H), np.log(error), 1, cov=True)
+    # polyfit scales by n - 2 as well; 3.182 is the 97.5 % point of Student's t with three degrees of freedom.
+    same(fit.high - slope, 3.182446305 * np.sqrt(covariance[0, 0]))
+
+
+def intervals_cover_the_order_as_often_as_they_say(c: ModuleType) -> None:
+    generator = np.random.default_rng(0)
+    h = H[:3]
+    fits = [c.fit_order(h, h**2 * np.exp(0.1 * generator.standard_normal(3))) for _ in range(600)]
+    assert 0.92 < np.mean([fit.low <= 2 <= fit.high for fit in fits]) < 0.98
+
+
+def verdicts_are_three_and_error(c: ModuleType) -> None:
+    for error, expected in (
+        (H**2, "PASS"),
+        (H**2.15, "PASS"),
+        (H**1, "FAIL"),
+        (H**3, "FAIL"),
+        (H**-2, "FAIL"),
+        (0 * H + 0.1, "FAIL"),
+        (0.1 + H**3, "FAIL"),
+        (np.where(FINEST, 1.0, H**2), "FAIL"),
+        (np.where(FINEST, 1e-9, H**2), "INCONCLUSIVE"),
+        (np.where(FINEST, 0, H**2), "INCONCLUSIVE"),
+        (np.where(H < 0.2, 1e-14, H**2), "INCONCLUSIVE"),
+        (np.where(FINEST, np.nan, H**2), "ERROR"),
+        (np.where(COARSEST, np.inf, H**2), "ERROR"),
+        (H**1.82 * [1, 1.05, 0.95, 1, 0.97], "INCONCLUSIVE"),
+        (H**2.18 * [1, 1.05, 0.95, 1, 0.97], "INCONCLUSIVE"),
+        (H**2 * [1, 2, 1, 2, 1], "INCONCLUSIVE"),
+    ):
+        assert c.verdict(H, error, band=BAND)[0] == expected, (error, expected)
+    found, reason = c.verdict(H[:2], H[:2] ** 2, band=BAND)
+    assert found == "INCONCLUSIVE"
+    assert "an order needs three" in reason
+    assert c.verdict(H, H**2)[0] == "INCONCLUSIVE"
+    assert c.verdict(H, np.ma.masked_array(H**2, mask=H == 0.1), band=BAND)[0] == "ERROR"
+
+
+def the_end_of_a_long_ladder_counts(c: ModuleType) -> None:
+    h = 0.5 ** np.arange(9.0)
+
+    def after(*orders: float) -> str:
+        verdict: str = c.verdict(h[: len(orders) + 1], 0.1 * 0.5 ** np.cumsum([0.0, *orders]), band=BAND)[0]
+        return verdict
+
+    assert after(2, 2, 2, 2, 2, 2, 1.6) == "INCONCLUSIVE"
+    assert after(2, 2, 2, 2, 2, 2, -0.5) == "FAIL"
+    assert after(2.1, 2.08, 2, 1.85, 1.7) == "INCONCLUSIVE"
+    assert after(3.6, 3.4, 3.2, 3.0, 2.6) == "INCONCLUSIVE"
+    assert after(3.9, 3.9, 3.9, 3.9, 3.9, 3.7, 3.0) == "INCONCLUSIVE"
+    assert after(4.6, -0.6, 4.6, -0.6, 4.6, -0.6) == "INCONCLUSIVE"
+    assert after(0.45, 1.82, 2, 2, 2, 2, 2) == "PASS"
+
+
+def a_floor_is_found_with_the_order_above_it(c: ModuleType) -> None:
+    series = c.analyse(H, 1e-4 + H**3)
+    assert series.classification == "other-error floor"
+    same([series.floor.floor, series.floor.order], [1e-4, 3], rtol=0.02)
+
+
+def a_reference_gates_nothing_finer_than_ten_times_its_uncertainty(c: ModuleType) -> None:
+    h, error = np.sort(H)[::-1], np.sort(H)[::-1] ** 2
+    assert c.verdict(h, error, band=BAND, uncertainty=error[2] / 11)[0] == "PASS"
+    assert c.verdict(h, error, band=BAND, uncertainty=error[2] / 9)[0] == "INCONCLUSIVE"
+    reference = c.qualify(h, 5 + error, formal=2)
+    assert reference.may_gate(11 * reference.uncertainty)
+    assert not reference.may_gate(9 * reference.uncertainty)
+    same(reference.uncertainty, 1.25 * error[-1] / (5 + error[-1]), rtol=1e-6)
+    assert not c.qualify(h, 5 + h**0.1, formal=2).qualified
+    assert not c.qualify(h[:2], error[:2], formal=2).qualified
+
+
+def grid_convergence_is_exact_on_power_laws(c: ModuleType) -> None:
+    for order in (0.8, 2.0, 3.1):
+        for sign in (-1, 1):
+            found = c.grid_convergence(H, 2 + sign * H**order, formal=2)
+            same([found.order, found.limit], [order, 2], rtol=1e-7)
+            assert found.factor == (1.25 if order == 2 else 3)
+            assert found.uncertainty >= H.min() ** order * 0.999
+            assert found.uncertainty <= 3.1 * H.min() ** min(order, 2) * (1 if order <= 2 else 10)
+    assert c.grid_convergence(H, 2 - H**-1, formal=2).behaviour == "divergent"
+    alternating = 2 + H**2 * [1, -1, -1, 1, -1]
+    assert c.grid_convergence(H, alternating, formal=2).behaviour == "oscillatory"
+
+
+# Properties of norms, evidence and baseline.
+
+
+def norms_are_means_over_the_body(n: ModuleType) -> None:
+    weight = np.array([[0.5, 1.0, 2.5]])
+    field = np.full((1, 3, 1), -3.0)
+    same(n.norms(field, weight), 3)
+    field[0, :, 0] = [1, -2, 0]
+    same(n.norms(field, weight), [2.5 / 4, np.sqrt(4.5 / 4), 2, np.sqrt(4.5 / 4)])
+    same(n.norms(7 * field, weight), 7 * n.norms(field, weight))
+    early = np.concatenate([5 * field, field])
+    twice = np.repeat(weight, 2, axis=0)
+    same(n.norms(early, twice), [2.5 / 4, np.sqrt(4.5 / 4), 2, 5 * np.sqrt(4.5 / 4)])
+    for bad in (np.nan, np.inf):
+        spoiled = field.copy()
+        spoiled[0, 2, 0] = bad
+        assert not np.any(np.isfinite(n.norms(spoiled, weight)))
+    same(n.norms(np.array([[[3.0, 4.0]]]), np.ones((1, 1))), 5)
+
+
+def evidence(g: ModuleType, error: Any, h: Any = H, size: float = 1.0) -> Any:
+    table = np.repeat(np.asarray(error, dtype=float)[:, None], 4, axis=1)
+    one = np.ones(len(h))
+    outcomes = ("completed",) * len(h)
+    return g.Evidence(h, h, one, one.astype(int), outcomes, {"u": table}, {"u": np.full_like(table, size)})
+
+
+def evidence_is_relative_and_the_worst_verdict_decides(g: ModuleType) -> None:
+    same(evidence(g, 3 * H, size=2).relative("u", "L2"), 1.5 * H)
+    same(evidence(g, 3 * H, size=0).relative("u", "L2"), 3 * H)
+    assert not np.any(np.isfinite(evidence(g, 3 * H, size=np.inf).relative("u", "L2")))
+    statuses = {"PASS": 0, "INCONCLUSIVE": 0, "FAIL": 1, "ERROR": 3}
+    for verdict, status in statuses.items():
+        assert g.exit_status([g.Verdict(verdict)]) == status
+        assert g.exit_status([g.Verdict("PASS"), g.Verdict(verdict)]) == status
+        assert g.exit_status([g.Verdict(verdict), g.Verdict("PASS")], strict=True) == (
+            4 if verdict == "INCONCLUSIVE" else status
+        )
+    assert g.exit_status([g.Verdict("FAIL"), g.Verdict("ERROR"), g.Verdict("INCONCLUSIVE")]) == 3
+    assert g.exit_status([], strict=True) == 4
+
+
+def a_baseline_is_not_what_it_judges(b: ModuleType) -> None:
+    from mpmverify import gate
+
+    where = ("study", "solver", "case", "ladder")
+    baseline = b.Baseline(Path("unused"))
+    assert baseline.judge(*where, evidence(gate, H))[0] == "INCONCLUSIVE"
+    baseline.updated(*where, evidence(gate, H))
+    assert baseline.judge(*where, evidence(gate, H))[0] == "PASS"
+    assert baseline.judge(*where, evidence(gate, 1.02 * H))[0] == "FAIL"
+    assert baseline.judge(*where, evidence(gate, 1.02 * H))[0] == "FAIL", "judging accepts nothing"
+    assert baseline.judge(*where, evidence(gate, 0.9 * H))[0] == "INCONCLUSIVE"
+    assert baseline.judge(*where, evidence(gate, np.where(H == 0.1, np.nan, H)))[0] == "ERROR"
+    assert baseline.judge(*where[:3], "another", evidence(gate, H))[0] == "INCONCLUSIVE"
+    assert baseline.judge(*where, evidence(gate, H, h=H * 0.9))[0] == "INCONCLUSIVE"
+
+
+PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
+    "convergence": (
+        orders_are_those_of_the_sizes,
+        scattered_orders_are_those_of_least_squares,
+        intervals_cover_the_order_as_often_as_they_say,
+        verdicts_are_three_and_error,
+        the_end_of_a_long_ladder_counts,
+        a_floor_is_found_with_the_order_above_it,
+        a_reference_gates_nothing_finer_than_ten_times_its_uncertainty,
+        grid_convergence_is_exact_on_power_laws,
+    ),
+    "norms": (norms_are_means_over_the_body,),
+    "gate": (evidence_is_relative_and_the_worst_verdict_decides,),
+    "baseline": (a_baseline_is_not_what_it_judges,),
+}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A passage of a file below mpmverify/, which must stand there once, and what replaces it."""
+
+    file: str
+    old: str
+    new: str
+
+    @property
+    def part(self) -> str:
+        return self.file.partition("/")[0].removesuffix(".py")
+
+
+FITS, SERIES, JUDGING = "convergence/fits.py", "convergence/series.py", "convergence/judging.py"
+GCI, LEVELS, REFERENCE = "convergence/gci.py", "convergence/levels.py", "convergence/reference.py"
+FIT_LOGARITHMS = "x, y = np.log(h), np.log(error)\n    dx"
+STUDENT = "float(stdtrit(len(h) - 2, 0.5 + confidence / 2))"
+IN_BAND = "if not (low <= fit.low and fit.high <= high):"
+FAULTS = {
+    "order by index": Fault(FITS, FIT_LOGARITHMS, "x, y = -0.7 * np.arange(len(h)), np.log(error)\n    dx"),
+    "pairwise order by index": Fault(FITS, "/ np.diff(np.log(h))", "/ np.log(0.5)"),
+    "log10 of sizes": Fault(FITS, FIT_LOGARITHMS, "x, y = np.log10(h), np.log(error)\n    dx"),
+    "log10 of errors": Fault(FITS, FIT_LOGARITHMS, "x, y = np.log(h), np.log10(error)\n    dx"),
+    "log10 of sizes, pairwise": Fault(FITS, "/ np.diff(np.log(h))", "/ np.diff(np.log10(h))"),
+    "power of ten of a natural logarithm": Fault(FITS, "math.exp(intercept)", "10**intercept"),
+    "mean of pairwise orders": Fault(FITS, "order = float(dx @ y) / sxx", "order = float(pairwise_orders(h, error).mean())"),
+    "order of the first and the last level": Fault(
+        FITS, "order = float(dx @ y) / sxx", "order = float((y[-1] - y[0]) / (x[-1] - x[0]))"
+    ),
+    "size of an order": Fault(FITS, "order = float(dx @ y) / sxx", "order = abs(float(dx @ y)) / sxx"),
+    "size of a pairwise order": Fault(FITS, "orders = np.diff(log_error)", "orders = -abs(np.diff(log_error))"),
+    "fit through the origin": Fault(FITS, "dx = x - x.mean()", "dx = x"),
+    "normal distribution": Fault(FITS, STUDENT, "1.959964"),
+    "one-sided interval": Fault(FITS, STUDENT, "float(stdtrit(len(h) - 2, confidence))"),
+    "one degree of freedom too many": Fault(FITS, "/ (len(h) - 2) / sxx", "/ (len(h) - 1) / sxx"),
+    "standard error of the residual": Fault(FITS, "/ (len(h) - 2) / sxx", "/ (len(h) - 2)"),
+    "interval of half the width": Fault(FITS, "order + half_width, constant)", "order, constant)"),
+    "floor not seen": Fault(FITS, "    if len(h) < 4:\n", "    if len(h) < 40:\n"),
+    "NaN masked": Fault(
+        SERIES,
+        "    h, error = levels(h, error)\n",
+        "    h, error = levels(h, error)\n    h, error = h[~np.isnan(error)], error[~np.isnan(error)]\n",
+    ),
+    "infinity taken for large": Fault(SERIES, "h, error = levels(h, error)", "h, error = levels(h, np.nan_to_num(error))"),
+    "NaN taken for zero": Fault(SERIES, "if not np.all(np.isfinite(error)):", "if not np.all(np.isfinite(error := np.nan_to_num(error))):"),
+    "round-off kept": Fault(SERIES, "kept = error > limit", "kept = error > 0"),
+    "uncertainty ignored": Fault(SERIES, "max(round_off, REFERENCE_MARGIN * uncertainty)", "round_off"),
+    "once the uncertainty": Fault(SERIES, "max(round_off, REFERENCE_MARGIN * uncertainty)", "max(round_off, uncertainty)"),
+    "rough start kept": Fault(SERIES, "while kept.sum() > 4 and", "while False and"),
+    "growth not seen": Fault(SERIES, "or grows:", "or False:"),
+    "finest step not looked at": Fault(SERIES, "[-2:]\n        width", "[:2]\n        width"),
+    "finest step by halving": Fault(SERIES, "width = math.log(self.h[coarse] / self.h[fine])", "width = math.log(2)"),
+    "two steps taken for one": Fault(SERIES, "np.flatnonzero(self.kept)[-3:]", "np.flatnonzero(self.kept)[[-2, -2, -1]]"),
+    "no order approaches": Fault(SERIES, "return step != 0 and (turned or", "return False and (turned or"),
+    "no trend ahead": Fault(SERIES, "2 * change if lasts else change) <= 0", "0.0) <= 0"),
+    "no plunge": Fault(SERIES, "if self.error[k + 1] <= self.limit\n", "if False\n"),
+    "two levels are enough": Fault(JUDGING, "if used < 3 or", "if used < 2 or"),
+    "estimate for interval": Fault(JUDGING, IN_BAND, "if not (low <= fit.order <= high):"),
+    "lower edge alone": Fault(JUDGING, IN_BAND, "if not low <= fit.low:"),
+    "upper edge alone": Fault(JUDGING, IN_BAND, "if not fit.high <= high:"),
+    "outside above passes": Fault(JUDGING, "if fit.high < low or fit.low > high:", "if fit.high < low:"),
+    "finest levels may leave": Fault(JUDGING, "if not abs(step) <= STEP_SLACK or", "if"),
+    "trend may leave": Fault(JUDGING, "(lasts and ahead < -STEP_SLACK)", "False"),
+    "no expectation passes": Fault(JUDGING, "if band is None and", "if False and"),
+    "not finite is inconclusive": Fault(JUDGING, "return Verdict.ERROR,", "return Verdict.INCONCLUSIVE,"),
+    "divergence passes on": Fault(JUDGING, "(Classification.STAGNANT, Classification.DIVERGENT)", "(Classification.STAGNANT,)"),
+    "levels sorted from fine to coarse": Fault(LEVELS, "np.argsort(-h)", "np.argsort(h)"),
+    "sizes sorted alone": Fault(LEVELS, "h, value = h[coarse_first], value[coarse_first]", "h = h[coarse_first]"),
+    "levels not sorted": Fault(LEVELS, "np.argsort(-h)", "np.arange(len(h))"),
+    "mask lifted": Fault(LEVELS, "if isinstance(values, np.ma.MaskedArray):", "if False:"),
+    "ratios exchanged": Fault(GCI, "observed_order(h[-3] / h[-2], h[-2] / h[-1]", "observed_order(h[-2] / h[-1], h[-3] / h[-2]"),
+    "equal ratios assumed": Fault(GCI, "observed_order(h[-3] / h[-2],", "observed_order(h[-2] / h[-1],"),
+    "size of an observed order": Fault(GCI, "    if not order > 0:\n", "    order = abs(order)\n    if not order > 0:\n"),
+    "sign of the steps lost": Fault(GCI, "if steps[-2] * steps[-1] < 0:", "if False:"),
+    "always the small factor": Fault(GCI, "UNCONFIRMED = 1.25, 3.0", "UNCONFIRMED = 1.25, 1.25"),
+    "the greater order": Fault(GCI, "min(order, formal)", "max(order, formal)"),
+    "extrapolation the wrong way": Fault(GCI, "value[-1] + rest", "value[-1] - rest"),
+    "reference gates everything": Fault(REFERENCE, "error > REFERENCE_MARGIN * self.uncertainty", "error > 0"),
+    "uncertainty not relative": Fault(REFERENCE, "self.convergence.uncertainty / self.size if", "self.convergence.uncertainty if"),
+    "what has no order qualifies": Fault(REFERENCE, "FLAT < self.convergence.order < math.inf", "not self.convergence.order <= FLAT"),
+    "stagnation qualifies": Fault(REFERENCE, "FLAT < self.convergence.order", "0 < self.convergence.order"),
+    "weight inside the power, L2": Fault("norms.py", "np.sqrt(np.sum(weight * np.sum(values**2", "np.sqrt(np.sum(weight**2 * np.sum(values**2"),
+    "no weight, L1": Fault("norms.py", "np.sum(weight * np.linalg.norm", "np.mean(np.linalg.norm"),
+    "sum for mean": Fault("norms.py", "weight = weight / measure[0]", "weight = weight + 0"),
+    "NaN masked in L1": Fault("norms.py", "return np.sum(weight * np.linalg", "return np.nansum(weight * np.linalg"),
+    "NaN masked in L2": Fault("norms.py", "np.sqrt(np.sum(weight *", "np.sqrt(np.nansum(weight *"),
+    "NaN masked in Linf": Fault("norms.py", "return np.max(np.linalg", "return np.nanmax(np.linalg"),
+    "first time for last": Fault("norms.py", "values[-1:], weight[-1:]", "values[:1], weight[:1]"),
+    "errors not squared": Fault("norms.py", "np.sum(values**2, axis=-1)", "np.sum(np.abs(values), axis=-1)"),
+    "error times the exact norm": Fault("gate.py", "return self.error[quantity][:, k] /", "return self.error[quantity][:, k] *"),
+    "an infinite size excuses": Fault("gate.py", "np.where(np.isfinite(self.reference[quantity][:, k]), ", "np.where(True, "),
+    "inconclusive is an error": Fault("gate.py", "return 4 if strict else 0", "return 4"),
+    "an error is a failure": Fault("gate.py", "Verdict.ERROR: 3", "Verdict.ERROR: 1"),
+    "compared with itself": Fault("baseline.py", "then = known.get(name, 0.0)", "then = now"),
+    "what it judges is its baseline": Fault("baseline.py", "known = accepted.get(level, {})", "known = accepted.get(level, values)"),
+    "judging accepts": Fault("baseline.py", "                compared += 1\n", "                compared += 1\n                known[name] = now\n"),
+    "series mixed up": Fault(
+        "baseline.py",
+        'self.entries.get(study, {}).get(solver, {}).get(f"{case} | {refinement}", {})',
+        "next(iter(self.entries.get(study, {}).get(solver, {}).values()), {})",
+    ),
+    "levels mixed up": Fault("baseline.py", 'yield f"h={h:.9g} nu_C', 'yield f"{k} nu_C'),
+    "better is worse": Fault("baseline.py", "elif now < then * (1 - RELATIVE) - noise:", "elif False:"),
+    "a loss of half passes": Fault("baseline.py", "RELATIVE = 0.01", "RELATIVE = 0.5"),
+    "NaN compared": Fault("baseline.py", "if not np.all(np.isfinite([now, then, size])):", "if False:"),
+}  # fmt: skip
+
+
+@pytest.fixture
+def planted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str, Fault | None], ModuleType]]:
+    """Import a copy of a part of the harness, with a fault or none."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    name = f"harness_{tmp_path.name}"
+
+    def copy(part: str, fault: Fault | None) -> ModuleType:
+        target = tmp_path / name
+        if (ROOT / part).is_dir():
+            shutil.copytree(ROOT / part, target, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            target.mkdir()
+            shutil.copy(ROOT / f"{part}.py", target / "__init__.py")
+        for path in target.glob("*.py"):
+            path.write_text(path.read_text(encoding="utf-8").replace(f"mpmverify.{part}.", f"{name}."), encoding="utf-8")
+        if fault:
+            path = target / fault.file.rpartition("/")[2] if "/" in fault.file else target / "__init__.py"
+            text = path.read_text(encoding="utf-8")
+            assert text.count(fault.old) == 1, f"{fault.file} holds {fault.old!r} {text.count(fault.old)} times"
+            path.write_text(text.replace(fault.old, fault.new), encoding="utf-8")
+        importlib.invalidate_caches()
+        return importlib.import_module(name)
+
+    yield copy
+    for module in [module for module in sys.modules if module.partition(".")[0] == name]:
+        del sys.modules[module]
+
+
+def broken(module: ModuleType, part: str) -> list[str]:
+    """Names of the properties that do not hold of a module; one that it cannot even be asked for does not hold."""
+    names = []
+    for holds in PROPERTIES[part]:
+        try:
+            holds(module)
+        except AssertionError:
+            names.append(holds.__name__)
+    return names
+
+
+@pytest.mark.parametrize("part", PROPERTIES)
+def test_of_the_unmodified_copy_every_property_holds(part: str, planted: Any) -> None:
+    module = planted(part, None)
+    for holds in PROPERTIES[part]:
+        holds(module)
+
+
+@pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_fault_of_the_harness_breaks_a_property(fault: Fault, planted: Any) -> None:
+    assert broken(planted(fault.part, fault), fault.part)
