@@ -54,7 +54,9 @@ def contents(path):
 # Help costs nothing.
 
 
-@pytest.mark.parametrize("command", [[], ["run"], ["gate"], ["report"], ["list"], ["baseline"], ["baseline", "accept"]])
+@pytest.mark.parametrize(
+    "command", [[], ["run"], ["gate"], ["report"], ["list"], ["judge"], ["baseline"], ["baseline", "accept"]]
+)
 def test_every_command_has_help(command):
     result = call(*command, "--help")
     assert result.exit_code == 0
@@ -312,6 +314,21 @@ def test_gate_changes_nothing_and_writes_its_summaries(out, tmp_path):
     call(*where, "--summary", summary)
     assert summary.read_text().count("## mpmverify") == 2, "a summary is appended"
     assert call(*where, GITHUB_STEP_SUMMARY="").exit_code == 0
+
+
+def test_only_accepting_writes_a_baseline(out, tmp_path):
+    """Results that became their own baseline would pass whatever they are."""
+    path = tmp_path / "baseline.json"
+    where = ("--out", out, "--baseline", path)
+    for _ in range(2):
+        assert "not in the baseline" in " ".join(call("run", "scripted", *where).output.split())
+        assert "not in the baseline" in " ".join(call("gate", *where).output.split())
+        assert not path.exists()
+    call("baseline", "accept", *where, "--reason", "the first")
+    before = path.read_bytes()
+    call("run", "scripted", "--no-cache", *where)
+    call("gate", *where)
+    assert path.read_bytes() == before
 
 
 def test_gate_judges_what_is_stored_with_the_baseline_of_now(out, tmp_path):

@@ -78,7 +78,8 @@ def grid_convergence(h: Numbers, value: Numbers | None = None, *, formal: float)
 
     It is the fixed point of Celik et al.; but the right-hand side grows with p throughout, so that p is bracketed here, where their
     iteration need not converge, and keeps its sign. The uncertainty is F |f_2 - f_1|/(r_21^p - 1), with F = 1.25 where p is within 10 % of
-    the formal order and F = 3 elsewhere, and with the lesser of both orders. Where the values oscillate ever less it is three
+    the formal order and F = 3 elsewhere, and with the lesser of both orders; it is not raised to 1/2, as Oberkampf and Roy have
+    it, since the band of a slower quantity would then miss its limit. Where the values oscillate ever less it is three
     times half of their range; where they diverge nothing bounds it. Two levels have the formal order and F = 3.
 
     References
@@ -87,8 +88,8 @@ def grid_convergence(h: Numbers, value: Numbers | None = None, *, formal: float)
     116(3), 405-413, https://doi.org/10.1115/1.2910291
     Celik I. B., Ghia U., Roache P. J., Freitas C. J. (2008). Procedure for estimation and reporting of uncertainty due to
     discretization in CFD applications. Journal of Fluids Engineering 130(7), 078001, https://doi.org/10.1115/1.2960953
-    Oberkampf W. L., Roy C. J. (2010). Verification and Validation in Scientific Computing. Cambridge University Press, section 8.6,
-    for the 10 % and the lesser order.
+    Oberkampf W. L., Roy C. J. (2010). Verification and Validation in Scientific Computing. Cambridge University Press, chapter 8, for
+    the 10 % and the lesser order.
     Stern F., Wilson R. V., Coleman H. W., Paterson E. G. (2001). Comprehensive approach to verification and validation of CFD
     simulations, part 1. Journal of Fluids Engineering 123(4), 793-802, https://doi.org/10.1115/1.1412235, for the half range.
     """

@@ -49,7 +49,7 @@ def numbers(values: Numbers, what: str) -> Array:
         if np.iscomplexobj(values):
             raise TypeError("complex")
         if isinstance(values, np.ma.MaskedArray):
-            return values.astype(float).filled(np.nan)
+            return np.asarray(np.ma.filled(values.astype(float), np.nan))
         return np.asarray(values, dtype=float)
     except (TypeError, ValueError) as error:
         raise UsageError(f"{what} must be real numbers ({error})") from error
