@@ -21,13 +21,12 @@ def judge_order(series: Convergence, low: float, high: float) -> Judgement:
     kind, fit, used = series.classification, series.fit, int(series.kept.sum())
     if kind is Classification.NON_FINITE:
         return Verdict.ERROR, "the error is not finite on at least one level"
+    without = f", without {'; '.join(series.dropped)}" if series.dropped else ""
     if used < 3 or fit is None:
-        return Verdict.INCONCLUSIVE, f"{used} of {len(series.h)} levels can be used ({kind}); an order needs three"
+        return Verdict.INCONCLUSIVE, f"{used} of {len(series.h)} levels can be used ({kind}){without}; an order needs three"
     high = min(high, PLAUSIBLE)
     band = f"[{low:g}, {high:g}]"
-    measured = f"order {fit.order:.3f}, interval [{fit.low:.3f}, {fit.high:.3f}] from {used} levels ({kind})"
-    if series.dropped:
-        measured += f", without {'; '.join(series.dropped)}"
+    measured = f"order {fit.order:.3f}, interval [{fit.low:.3f}, {fit.high:.3f}] from {used} levels ({kind}){without}"
     change, lasts = series.trend()
     step, ahead = series.finest_step(low, high), series.finest_step(low, high, change)
     approaches = series.approaches(low, high)
@@ -46,7 +45,7 @@ def judge_order(series: Convergence, low: float, high: float) -> Judgement:
     if not (low <= fit.low and fit.high <= high):
         return Verdict.INCONCLUSIVE, f"{measured} straddles an edge of {band}"
     if series.plunges(high):
-        return Verdict.INCONCLUSIVE, f"{measured} lies in {band}, but no such order takes the error to round-off in one step"
+        return Verdict.INCONCLUSIVE, f"{measured} lies in {band}, but no such order makes the error vanish in one step"
     if not abs(step) <= STEP_SLACK or (lasts and ahead < -STEP_SLACK):
         return Verdict.INCONCLUSIVE, f"{measured} lies in {band}, but the finest levels leave it: add a finer level"
     return Verdict.PASS, measured

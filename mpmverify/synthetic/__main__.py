@@ -14,7 +14,9 @@ def table(title: str, rates: list[Rate]) -> Table:
     """Return the rates as a table, in percent of the series of each kind."""
     shown = Table("kind", "truth", "series", *(name.replace("_", " ") for name in COLUMNS), title=title)
     for row in rates:
-        shown.add_row(row.kind, row.truth, str(row.series), *(f"{getattr(row, name) / row.series:.2%}" for name in COLUMNS))
+        shown.add_row(
+            row.kind, row.truth, str(row.series), *(f"{100 * getattr(row, name) / row.series:.3g} %" for name in COLUMNS)
+        )
     return shown
 
 

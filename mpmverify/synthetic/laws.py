@@ -10,8 +10,6 @@ from mpmverify.problem import Array
 
 MARGIN = 0.3
 """Distance from the band at which an order is outside beyond doubt."""
-
-
 UNCERTAINTY = 1e-6
 """Of the reference of those series that have one."""
 
