@@ -22,7 +22,7 @@ MAPPED = {
 LAYERS = (
     {"errors"},
     {"atomic", "problem", "verdict"},
-    {"solution"},
+    {"solution", "waves"},
     {"exact", "norms", "convergence", "gate", "baseline", "criteria", "synthetic"},
     {"study"},
     {"dataset"},
