@@ -15,7 +15,7 @@ from mpmverify.dataset.level import Level, Snapshots
 from mpmverify.dataset.runs import HISTORY_UNITS, read_run, write_run
 from mpmverify.errors import MpmverifyError
 from mpmverify.exact import VerificationProblem
-from mpmverify.gate import Criterion
+from mpmverify.gate import Criterion, Setting
 from mpmverify.norms import errors
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Outcome, Solution, Solver, Status
@@ -153,8 +153,9 @@ def _compare(task: Task, solution: Solution) -> Level:
     table = {}
     if solution.outcome.completed:
         table = errors(solution, task.problem.exact)
+        setting = Setting(task.problem, task.discretisation)
         for criterion in task.criteria:
-            metrics |= criterion.measure(solution, task.problem.problem)
+            metrics |= criterion.measure(solution, setting)
     work = dataclasses.asdict(solution.work)
     return _level(task, solution.outcome, dt=solution.dt, errors=table, metrics=metrics, **work)
 

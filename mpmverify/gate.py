@@ -7,8 +7,9 @@ from typing import Protocol
 import numpy as np
 
 from mpmverify.convergence import Convergence, analyse
+from mpmverify.exact import VerificationProblem
 from mpmverify.norms import NORMS
-from mpmverify.problem import Array, Problem
+from mpmverify.problem import Array, Discretisation
 from mpmverify.solution import Solution
 from mpmverify.verdict import Judgement, Verdict, worst
 
@@ -49,6 +50,14 @@ class Evidence:
         return analyse(self.h, self.relative(quantity, norm), expected=expected)
 
 
+@dataclass(frozen=True)
+class Setting:
+    """What a run was to solve: the problem with its exact solution, and on which level."""
+
+    problem: VerificationProblem
+    discretisation: Discretisation
+
+
 class Criterion(Protocol):
     """What must hold."""
 
@@ -60,7 +69,7 @@ class Criterion(Protocol):
     def title(self) -> str:
         """What is judged, in a few words."""
 
-    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         """Numbers that the judgement needs and only the solution can give, by name."""
 
     def judge(self, evidence: Evidence) -> Judgement:

@@ -53,6 +53,8 @@ CASES = {
     "mode 3, fixed": (axial_vibration(3, v0=-0.01), 1.5, (), 1.0),
     "mode 1, free": (axial_vibration(ends="fixed-free"), 5.0, (), 1.0),
     "mode 2, free": (axial_vibration(2, "fixed-free", length=2.0, youngs_modulus=3.0, density=5.0, v0=1e-3), 0.2, (), 1.0),
+    "mode 1, periodic": (axial_vibration(ends="periodic"), 4.0, (), 1.0),
+    "mode 2, periodic": (axial_vibration(2, "periodic", length=2.0, youngs_modulus=3.0, v0=1e-3), 0.2, (), 1.0),
     "manufactured, small": (manufactured(), 0.2, (), 1.0),
     "manufactured, large": (manufactured(0.05), 0.2, (), 1.0),
     "manufactured, nu": (manufactured(0.2, poissons_ratio=0.3), 0.1, (), 1.0),
@@ -160,7 +162,8 @@ def test_boundary_conditions(verification):
                 quantity = "u"
                 assert (problem.material.velocity > 0) == (face == "x-")
             case Periodic():
-                assert np.allclose(values["x-"]["u"], values["x+"]["u"], rtol=0, atol=1e-13 * scale["u"])
+                for name in fields:
+                    assert np.allclose(values["x-"][name], values["x+"][name], rtol=0, atol=1e-13 * scale[name])
                 continue
             case _:
                 continue

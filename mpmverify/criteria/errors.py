@@ -7,16 +7,15 @@ import numpy as np
 
 from mpmverify.convergence import ROUND_OFF, Classification, judge_order
 from mpmverify.criteria.judging import judge_largest
-from mpmverify.gate import Evidence, Judgement, Verdict
+from mpmverify.gate import Evidence, Judgement, Setting, Verdict
 from mpmverify.norms import NORMS
-from mpmverify.problem import Problem
 from mpmverify.solution import Solution
 
 
 class OfErrors:
     """A criterion that needs the stored error norms alone."""
 
-    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         return {}
 
 

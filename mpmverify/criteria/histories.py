@@ -7,8 +7,7 @@ import numpy as np
 
 from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
 from mpmverify.criteria.judging import are_sizes, judge_largest, relative_defect
-from mpmverify.gate import Evidence, Judgement, Verdict
-from mpmverify.problem import Problem
+from mpmverify.gate import Evidence, Judgement, Setting, Verdict
 from mpmverify.solution import Solution
 
 
@@ -45,7 +44,7 @@ class Balance:
     def _metric(self) -> str:
         return f"{self.stock}_defect"
 
-    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         if not {self.stock, self.source_term or self.stock} <= solution.histories.keys():
             return {}
         stock = solution.histories[self.stock]
@@ -97,7 +96,7 @@ class EnergyDrift:
     def title(self) -> str:
         return f"energy drift vanishes at order {self.low:g} or more"
 
-    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         return energy_drift(solution)
 
     def judge(self, evidence: Evidence) -> Judgement:
@@ -128,7 +127,7 @@ class EnergyConserved:
     def title(self) -> str:
         return f"energy conserved to {self.bound:g}"
 
-    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         return energy_drift(solution)
 
     def judge(self, evidence: Evidence) -> Judgement:

@@ -8,8 +8,8 @@ import numpy as np
 
 from mpmverify.criteria.judging import judge_largest
 from mpmverify.exact.amplification import two_step_taylor_galerkin
-from mpmverify.gate import Evidence, Judgement, Verdict
-from mpmverify.problem import Problem, Transport
+from mpmverify.gate import Evidence, Judgement, Setting, Verdict
+from mpmverify.problem import Transport
 from mpmverify.solution import Solution
 
 
@@ -35,7 +35,8 @@ class Amplification:
     def title(self) -> str:
         return f"amplification factor of every Fourier mode to {self.bound:g}"
 
-    def measure(self, solution: Solution, problem: Problem) -> Mapping[str, float]:
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
+        problem = setting.problem.problem
         if "u" not in solution.fields or not isinstance(problem.material, Transport):
             return {}
         steps = np.round(solution.time / solution.dt)

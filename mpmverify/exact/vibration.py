@@ -1,6 +1,7 @@
 """Axial vibration of a bar in one of its eigenmodes."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from mpmverify.errors import UsageError
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
-from mpmverify.problem import Array, BoundaryCondition, Constant, LinearElastic, Problem, Traction, Velocity
+from mpmverify.problem import Array, BoundaryCondition, Constant, LinearElastic, Periodic, Problem, Traction, Velocity
 
 CITATION = (
     "Bardenhagen S. G. (2002). Energy conservation error in the material point method for solid mechanics. Journal of "
@@ -80,17 +81,27 @@ class ModeStress(Mode):
         return self.youngs_modulus * self.v0 / self.wave_speed * np.sin(bct) * np.cos(bx)
 
 
+FIXED, FREE, JOINED = Velocity(Constant(0.0)), Traction(Constant(0.0)), Periodic()
+FAMILIES: Mapping[str, tuple[BoundaryCondition, BoundaryCondition, float, float, str, str]] = {
+    "fixed-fixed": (FIXED, FIXED, 1, 0.0, r"u(0,t) = 0, \quad u(L,t) = 0", r"\frac{n\pi}{L}"),
+    "fixed-free": (FIXED, FREE, 1, -0.5, r"u(0,t) = 0, \quad \sigma(L,t) = 0", r"\frac{(2n-1)\pi}{2L}"),
+    "periodic": (JOINED, JOINED, 2, 0.0, r"u(0,t) = u(L,t), \quad \sigma(0,t) = \sigma(L,t)", r"\frac{2n\pi}{L}"),
+}
+"""By ends: conditions at x = 0 and L, a and b of the a n + b half waves of mode n, the conditions and beta as LaTeX."""
+
+
 def axial_vibration(
     mode: int = 1,
-    ends: Literal["fixed-fixed", "fixed-free"] = "fixed-fixed",
+    ends: Literal["fixed-fixed", "fixed-free", "periodic"] = "fixed-fixed",
     *,
     length: float = 25.0,
     youngs_modulus: float = 100.0,
     density: float = 1.0,
     v0: float = 0.1,
     periods: float = 1.1,
+    outputs: int = 32,
 ) -> VerificationProblem:
-    """Bar fixed at x = 0 that starts with a velocity in the shape of an eigenmode.
+    """Bar, fixed at x = 0 or closed to a ring, that starts with a velocity in the shape of an eigenmode.
 
     The default set is the one of the literature, with a strain amplitude v0/c of 1 %: a code of large deformation needs a
     smaller v0 to converge to this linear solution.
@@ -98,12 +109,14 @@ def axial_vibration(
     Parameters
     ----------
     mode : int
-        n; beta = n pi/L (fixed-fixed) or (2n - 1) pi/(2L) (fixed-free).
-    ends : {"fixed-fixed", "fixed-free"}
+        n; beta = n pi/L (fixed-fixed), (2n - 1) pi/(2L) (fixed-free) or 2n pi/L (periodic).
+    ends : {"fixed-fixed", "fixed-free", "periodic"}
     length, youngs_modulus, density, v0 : float
         L [m], E [Pa], rho [kg/m^3], velocity amplitude [m/s].
     periods : float
         Final time in periods 2 pi/(beta c); at 1.1 neither displacement nor velocity is near zero.
+    outputs : int
+        Number of output intervals.
 
     Raises
     ------
@@ -117,21 +130,21 @@ def axial_vibration(
     Tielen R., Wobbes E., Möller M., Beuth L. (2017). A high order material point method. Procedia Engineering 175, 265-272,
     https://doi.org/10.1016/j.proeng.2017.01.022
     """
-    if mode < 1 or ends not in ("fixed-fixed", "fixed-free"):
-        raise UsageError(f"axial vibration needs mode >= 1 and ends fixed-fixed or fixed-free, not {mode!r} and {ends!r}")
+    if mode < 1 or ends not in FAMILIES:
+        raise UsageError(f"axial vibration needs mode >= 1 and ends {', '.join(FAMILIES)}, not {mode!r} and {ends!r}")
+    near, far, factor, offset, conditions, latex = FAMILIES[ends]
     material = LinearElastic(youngs_modulus, density)
-    c, free = material.wave_speed, ends == "fixed-free"
-    beta = (mode - 0.5 if free else mode) * math.pi / length
-    far_end: BoundaryCondition = Traction(Constant(0.0)) if free else Velocity(Constant(0.0))
+    c, beta = material.wave_speed, (factor * mode + offset) * math.pi / length
     return VerificationProblem(
         problem=Problem(
             name=f"vibration-{ends}-{mode}",
             lower=(0.0,),
             upper=(length,),
             material=material,
-            boundary={"x-": Velocity(Constant(0.0)), "x+": far_end},
+            boundary={"x-": near, "x+": far},
             end_time=periods * 2 * math.pi / (beta * c),
             initial={"velocity": SineField(v0, beta)},
+            outputs=outputs,
         ),
         exact=ExactSolution(
             fields={
@@ -145,8 +158,7 @@ def axial_vibration(
         equations=(
             r"\rho\, \partial_{tt} u = E\, \partial_{xx} u, \quad \sigma = E\, \partial_x u",
             r"u(x,0) = 0, \quad \partial_t u(x,0) = v_0 \sin(\beta x)",
-            r"u(0,t) = 0, \quad \sigma(L,t) = 0" if free else r"u(0,t) = 0, \quad u(L,t) = 0",
-            r"u = \frac{v_0}{\beta c} \sin(\beta c t) \sin(\beta x), \quad c = \sqrt{E/\rho}, \quad \beta = "
-            + (r"\frac{(2n-1)\pi}{2L}" if free else r"\frac{n\pi}{L}"),
+            conditions,
+            r"u = \frac{v_0}{\beta c} \sin(\beta c t) \sin(\beta x), \quad c = \sqrt{E/\rho}, \quad \beta = " + latex,
         ),
     )

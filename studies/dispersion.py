@@ -1,0 +1,77 @@
+"""One mode of a bar, resolved by fewer and fewer cells: the frequency of every scheme against its own dispersion relation."""
+
+import math
+
+from mpmverify.criteria import Dispersion
+from mpmverify.exact.vibration import axial_vibration
+from mpmverify.problem import Discretisation
+from mpmverify.solution import Solver
+from mpmverify.solvers.fem import FiniteElement
+from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+from mpmverify.study import Case, Refinement, Series, Study, ladder_label
+
+CELLS = (5, 6, 8, 12, 16, 24, 48)
+"""On two wave lengths: k h from 0.8 pi down to pi/12."""
+LENGTH, WAVES = 2.0, 2
+WAVENUMBER = WAVES * 2 * math.pi / LENGTH
+BAR = {"length": LENGTH, "youngs_modulus": 9.0, "density": 4.0, "v0": 1e-3, "periods": 4.0, "outputs": 4096}
+"""Every step is an output."""
+BOUND = 1e-10
+"""A frequency is lost to round-off like e/(omega dt)^3, summed over some hundred steps: 5e-11 for the longest wave."""
+
+FEM_SOURCE = (
+    "4 sin^2(omega dt/2) = q/(1 + beta q), q = 4 nu_C^2 sin^2(k h/2)/m: Hughes (1987), The Finite Element Method, section 9.1; "
+    "Belytschko and Mullen (1978)"
+)
+TG_SOURCE = "the conjugate of the amplification factor of each characteristic: Donea (1984), doi:10.1002/nme.1620200108"
+MPM_SOURCE = (
+    "von Neumann analysis at frozen positions, own derivation: 4 sin^2(omega dt/2) = nu_C^2 A D for USF and MUSL, trace "
+    "2 - nu_C^2 D and determinant 1 - nu_C^2 D (1 - A) for USL; on the schedules Bardenhagen (2002), doi:10.1006/jcph.2002.7103"
+)
+
+
+def _ladder(courant: float, ppc: int = 1) -> Refinement:
+    levels = tuple(Discretisation(h=LENGTH / cells, courant=courant, ppc=ppc) for cells in CELLS)
+    return Refinement(ladder_label(courant, ppc), levels, quick=len(levels))
+
+
+def _series(solver: Solver, source: str, courant: float, ppc: int = 1) -> Series:
+    return Series(solver, _ladder(courant, ppc), (Dispersion(solver.name, "stress", WAVENUMBER, BOUND, source),))
+
+
+def _particles(schedule: str) -> MaterialPoint:
+    return MaterialPoint(schedule, formulation="total")
+
+
+STUDY = Study(
+    name="dispersion",
+    title="Dispersion of a mode",
+    summary="A mode of a bar, resolved by more or fewer cells, oscillates for four periods. Every step multiplies it by one complex "
+    "number, known for every scheme: its angle is the frequency omega(kh), its modulus the damping.",
+    cases=(
+        Case(
+            "ring",
+            axial_vibration(WAVES, "periodic", **BAR),
+            (
+                _series(TaylorGalerkin(passes=1), TG_SOURCE, 0.7),
+                _series(TaylorGalerkin(passes=3), TG_SOURCE, 0.4),
+            ),
+            shown="stress",
+        ),
+        Case(
+            "fixed-fixed",
+            axial_vibration(2 * WAVES, **BAR),
+            (
+                _series(FiniteElement(1, "lumped", "central-differences"), FEM_SOURCE, 0.7),
+                _series(FiniteElement(1, "consistent", "central-differences"), FEM_SOURCE, 0.5),
+                _series(FiniteElement(1, "lumped", "newmark"), FEM_SOURCE, 1.0),
+                _series(FiniteElement(1, "consistent", "newmark"), FEM_SOURCE, 1.0),
+                *(_series(_particles(schedule), MPM_SOURCE, 0.6, ppc) for schedule in ("USF", "MUSL") for ppc in (1, 2)),
+                # At one particle per cell the shortest of these waves are overdamped.
+                *(_series(_particles("USL"), MPM_SOURCE, 0.3, ppc) for ppc in (2, 3)),
+            ),
+            shown="stress",
+        ),
+    ),
+)
