@@ -36,6 +36,7 @@ def modal_history(values: Array, position: Array, weight: Array, wavenumber: flo
         2 sum_p w_p f_p (cos k x_p, sin k x_p) / sum_p w_p, (T, 2), in the unit of the values.
     """
     shapes = np.stack([np.cos(wavenumber * position), np.sin(wavenumber * position)], axis=-1)
+    values = np.where(np.isfinite(values), values, np.nan)
     coefficients: Array = 2 * (values * weight) @ shapes / weight.sum()
     return coefficients
 

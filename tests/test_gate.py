@@ -10,11 +10,26 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmverify.convergence import PLAUSIBLE
-from mpmverify.criteria import CRITERIA, Amplification, Balance, EnergyConserved, EnergyDrift, Exact, Order, Published, Stall
+from mpmverify.criteria import (
+    CRITERIA,
+    Amplification,
+    AmplitudeDecay,
+    Balance,
+    Dispersion,
+    EnergyConserved,
+    EnergyDrift,
+    Exact,
+    FrontPosition,
+    Order,
+    PhaseError,
+    Published,
+    Stall,
+)
+from mpmverify.exact import ExactSolution, VerificationProblem
 from mpmverify.exact.amplification import two_step_taylor_galerkin
-from mpmverify.gate import Evidence, Finding, Verdict, exit_status, judge, worst
+from mpmverify.gate import Evidence, Finding, Setting, Verdict, exit_status, judge, worst
 from mpmverify.norms import NORMS
-from mpmverify.problem import LinearElastic, Periodic, Problem, Traction, Transport
+from mpmverify.problem import Discretisation, LinearElastic, Periodic, Problem, Traction, Transport
 from mpmverify.solution import Solution, Work
 
 LIGHT = settings(max_examples=25, deadline=None)
@@ -22,7 +37,10 @@ H = 0.5 ** np.arange(3.0, 8.0)
 PASS, INCONCLUSIVE, FAIL, ERROR = Verdict.PASS, Verdict.INCONCLUSIVE, Verdict.FAIL, Verdict.ERROR
 ORDER = Order("u", "L2", 1.8, 2.2, "theory")
 PUBLISHED = Published("u", "L2", tuple((float(h), float(f"{3 * h**2:.2e}")) for h in H), 3, "paper")
-METRICS = ("momentum_defect", "mass_defect", "energy_drift", "amplification_defect", "amplification_modes")
+DISPERSION = Dispersion("tg-lumped", "u", 2.0, 1e-10, "theory")
+PHASE, DECAY = PhaseError("u", 2, 0.2, "theory", -3.0), AmplitudeDecay("u", 3, 0.2, "theory", 3.0)
+FRONT = FrontPosition("u", 2 / 3, 0.1, "theory")
+METRICS = ("momentum_defect", "mass_defect", "energy_drift", "amplification_defect", "amplification_modes", *DISPERSION.metrics)
 
 
 def series(error, h=H, *, reference=1.0, outcomes=None, quantity="u", metrics=None, **columns) -> Evidence:
@@ -122,6 +140,37 @@ EXAMPLES = [
     (Amplification(1, 1e-12, "theory"), measured(amplification_defect=0 * ONES, amplification_modes=0 * ONES), ERROR),
     (Amplification(1, 1e-12, "theory"), measured(amplification_defect=1e-14 * ONES), ERROR),
     (Amplification(1, 1e-12, "theory"), measured(), ERROR),
+    (DISPERSION, measured(dispersion_defect_u=1e-13 * ONES, phase_angle_u=ONES), PASS),
+    (DISPERSION, measured(dispersion_defect_u=1e-2 * ONES, phase_angle_u=ONES), FAIL),
+    (DISPERSION, measured(dispersion_defect_u=[0, 0, 0, 0, 1e-9], phase_angle_u=ONES), FAIL),
+    (DISPERSION, measured(dispersion_defect_u=[0, 0, 0, 0, np.nan], phase_angle_u=ONES), ERROR),
+    (DISPERSION, measured(dispersion_defect_u=1e-13 * ONES, phase_angle_u=[1, 2, 3, 3.2, 1]), ERROR),
+    (DISPERSION, measured(dispersion_defect_u=1e-13 * ONES), ERROR),
+    (PHASE, measured(phase_error_u=-3 * H**2), PASS),
+    (PHASE, measured(phase_error_u=-3 * H**2 * (1 + 3 * H**2)), PASS),
+    (PHASE, measured(phase_error_u=3 * H**2), FAIL),
+    (PHASE, measured(phase_error_u=-3.1 * H**2), FAIL),
+    (PHASE, measured(phase_error_u=-3 * H), FAIL),
+    (PHASE, measured(phase_error_u=-0.01 - 3 * H**2), FAIL),
+    (PHASE, measured(phase_error_u=np.zeros(5)), FAIL),
+    (PHASE, measured(phase_error_u=-3 * H**2 * [1, 1.4, 0.8, 1.5, 1.0]), INCONCLUSIVE),
+    (PHASE, measured(phase_error_u=-3 * H**2 * [1, 1, 1, 1, np.nan]), ERROR),
+    (PHASE, measured(), ERROR),
+    (dataclasses.replace(PHASE, leading=None), measured(phase_error_u=3.1 * H**2), PASS),
+    (dataclasses.replace(PHASE, leading=None), measured(phase_error_u=np.zeros(5)), INCONCLUSIVE),
+    (DECAY, measured(amplitude_decay_u=3 * H**3), PASS),
+    (DECAY, measured(amplitude_decay_u=-3 * H**3), FAIL),
+    (DECAY, measured(amplitude_decay_u=3 * H**2), FAIL),
+    (DECAY, measured(amplitude_decay_u=3 * H**3 * [1, 1.4, 0.8, 1.5, 1.0]), INCONCLUSIVE),
+    (DECAY, measured(amplitude_decay_u=[np.nan, 1, 1, 1, 1]), ERROR),
+    (DECAY, measured(), ERROR),
+    (FRONT, measured(front_lag_u=0.4 * H ** (2 / 3)), PASS),
+    (FRONT, measured(front_lag_u=-0.4 * H ** (2 / 3)), PASS),
+    (FRONT, measured(front_lag_u=0.4 * H), FAIL),
+    (FRONT, measured(front_lag_u=0.016 * ONES), FAIL),
+    (FRONT, measured(front_lag_u=0.4 * H ** (2 / 3) * [1, 1.4, 0.8, 1.5, 0.9]), INCONCLUSIVE),
+    (FRONT, measured(front_lag_u=0.4 * H * np.inf), ERROR),
+    (FRONT, measured(), ERROR),
 ]
 
 
@@ -142,7 +191,7 @@ def test_criteria_survive_the_file_with_the_same_verdict(criterion, evidence, ex
 def test_every_criterion_has_an_example_of_every_verdict_that_it_can_give():
     given_ = {(type(criterion), expected) for criterion, _, expected in EXAMPLES}
     for kind in CRITERIA.values():
-        doubts = kind in (Order, Stall, Published, EnergyDrift)
+        doubts = kind in (Order, Stall, Published, EnergyDrift, PhaseError, AmplitudeDecay, FrontPosition)
         assert {v for k, v in given_ if k is kind} == {PASS, FAIL, ERROR} | ({INCONCLUSIVE} if doubts else set())
 
 
@@ -150,7 +199,8 @@ def test_every_criterion_has_an_example_of_every_verdict_that_it_can_give():
 
 CLEAN = dataclasses.replace(
     series(3 * H**2),
-    metrics={name: np.full(5, 0.5 if name == "amplification_modes" else 1e-15) for name in METRICS},
+    metrics={name: np.full(5, 0.5 if name in ("amplification_modes", "phase_angle_u") else 1e-15) for name in METRICS}
+    | {"phase_error_u": -3 * H**2, "amplitude_decay_u": 3 * H**3, "front_lag_u": 0.4 * H ** (2 / 3)},
 )
 JUDGED_BY = {
     "error": (ORDER, Stall("u", "L2", 3.0, ""), Exact("u", "L2", 1.0, ""), PUBLISHED),
@@ -159,6 +209,11 @@ JUDGED_BY = {
     "energy_drift": (EnergyDrift(1.8, ""), EnergyConserved("")),
     "amplification_defect": (Amplification(1, 1e-12, ""),),
     "amplification_modes": (Amplification(1, 1e-12, ""),),
+    "dispersion_defect_u": (DISPERSION,),
+    "phase_angle_u": (DISPERSION,),
+    "phase_error_u": (PHASE, dataclasses.replace(PHASE, leading=None)),
+    "amplitude_decay_u": (DECAY,),
+    "front_lag_u": (FRONT,),
 }
 JUDGED_BY["reference"] = JUDGED_BY["error"]
 
@@ -344,7 +399,15 @@ def test_a_second_level_of_the_same_size_cannot_hide_behind_a_published_one():
 
 # What criteria measure on solutions.
 
-BAR = Problem("bar", (0.0,), (1.0,), LinearElastic(1.0, 1.0), {"x-": Traction(), "x+": Traction()}, 1.0)
+
+def setting(problem, h=0.1, **fields) -> Setting:
+    """Level of a problem with these exact fields."""
+    return Setting(VerificationProblem(problem, ExactSolution(fields, ""), "", ()), Discretisation(h, COURANT))
+
+
+COURANT = 0.5
+BAR_PROBLEM = Problem("bar", (0.0,), (1.0,), LinearElastic(1.0, 1.0), {"x-": Traction(), "x+": Traction()}, 1.0)
+BAR = setting(BAR_PROBLEM)
 N = 11
 
 
@@ -436,8 +499,8 @@ def test_an_energy_of_the_wrong_sign_has_no_negative_drift():
 
 # Amplification.
 
-CELLS, COURANT, STEPS = 16, 0.5, 12
-LOOP = Problem("loop", (0.0,), (1.0,), Transport(2.0), {"x-": Periodic(), "x+": Periodic()}, 1.0)
+CELLS, STEPS = 16, 12
+LOOP = setting(Problem("loop", (0.0,), (1.0,), Transport(2.0), {"x-": Periodic(), "x+": Periodic()}, 1.0))
 
 
 def carried(passes, *, steps=STEPS, lag=0) -> Solution:

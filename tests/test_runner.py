@@ -235,7 +235,7 @@ def test_a_run_that_failed_once_and_now_succeeds_is_stored(tmp_path, monkeypatch
 
 
 def test_a_comparison_that_raises_is_an_error_not_a_traceback(tmp_path, monkeypatch):
-    def measure(self, solution, problem):
+    def measure(self, solution, setting):
         raise IndexError("no such history")
 
     monkeypatch.setattr(Balance, "measure", measure)

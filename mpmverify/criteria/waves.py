@@ -80,7 +80,7 @@ class Dispersion:
         return {name: float(value) for name, value in zip(self.metrics, table, strict=True)}
 
     def judge(self, evidence: Evidence) -> Judgement:
-        defect, angle, *_ = (evidence.metrics[name] for name in self.metrics)
+        defect, angle = (evidence.metrics[name] for name in self.metrics[:2])
         if not np.all((angle > 0) & (angle < np.pi)):
             return Verdict.ERROR, "a mode is not resolved: k h must lie between 0 and pi"
         verdict, reason = judge_largest(defect, self.bound, "deviation of the frequency")

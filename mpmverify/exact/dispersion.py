@@ -4,7 +4,7 @@ Each gives the factor z of a step on the mode of phase angle theta = k h: arg z 
 The exact one is exp(i nu_C theta). Of a conjugate pair the factor is that of positive frequency.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -71,20 +71,41 @@ def taylor_galerkin(theta: Array, courant: float, ppc: int, *, passes: int) -> N
     return np.conj(two_step_taylor_galerkin(theta, courant, passes))
 
 
-def material_point(theta: Array, courant: float, ppc: int, *, schedule: str) -> NDArray[np.complex128]:
-    """Material points with FLIP on the linear basis, at frozen positions (i + 1/2)/ppc in every cell.
+def symbols(theta: Array, ppc: int, degree: int) -> tuple[Array, Array]:
+    """A = mean_p |sum_I N_I e^{i theta I}|^2 and D = mean_p |sum_I h N'_I e^{i theta I}|^2, (n,), for B-splines away from the ends.
+
+    Parameters
+    ----------
+    theta : Array
+        Phase angles k h (n,) [rad].
+    ppc : int
+        Particles per cell, at (i + 1/2)/ppc.
+    degree : {1, 2}
+    """
+    x = (np.arange(ppc) + 0.5) / ppc
+    if degree == 1:
+        N, dN = np.stack([1 - x, x]), np.stack([-np.ones(ppc), np.ones(ppc)])
+    else:
+        N, dN = np.stack([(1 - x) ** 2, 1 + 2 * x * (1 - x), x**2]) / 2, np.stack([x - 1, 1 - 2 * x, x])
+    wave = np.exp(1j * theta[:, None] * np.arange(degree + 1))
+    return np.mean(np.abs(wave @ N) ** 2, axis=1), np.mean(np.abs(wave @ dN) ** 2, axis=1)
+
+
+def material_point(theta: Array, courant: float, ppc: int, *, schedule: str, degree: int) -> NDArray[np.complex128]:
+    """Material points with FLIP and lumped mass at frozen positions (i + 1/2)/ppc in every cell.
 
     Parameters
     ----------
     theta, courant, ppc : Array, float, int
         As of a `Relation`.
     schedule : {"USF", "USL", "MUSL"}
+    degree : {1, 2}
+        Of the B-splines.
 
     Notes
     -----
-    With s(theta) = sum_I N_I e^{i theta I} at a particle, transfer to the particles and back multiplies an increment of velocity
-    by A = mean_p |s_p|^2, the share that the grid sees of it; gradient and divergence together give D = mean_p |h s'_p|^2. Nodal
-    velocity w = v dt and strain measure e obey, with q = nu_C^2 D,
+    A transfer to the particles and back multiplies an increment of velocity by A, the share of it that the grid sees again;
+    gradient and divergence together give D. Nodal velocity w = v dt and strain measure e obey, with q = nu_C^2 D,
 
     USF, MUSL: e <- e + w before the force, w <- w - A q e: trace 2 - A q, determinant 1;
     USL:       w <- w - A q e and e <- e + (w - q e) from the old values: trace 2 - q, determinant 1 - q (1 - A).
@@ -97,23 +118,41 @@ def material_point(theta: Array, courant: float, ppc: int, *, schedule: str) -> 
     Physics 180 (2002) 383-403, https://doi.org/10.1006/jcph.2002.7103, for what the schedules do to the energy; the relation is
     derived in the notes.
     """
-    xi = (np.arange(ppc) + 0.5) / ppc
-    A = 1 - 2 * np.mean(xi * (1 - xi)) * (1 - np.cos(theta))
-    q = courant**2 * 4 * np.sin(theta / 2) ** 2
+    A, D = symbols(theta, ppc, degree)
+    q = courant**2 * D
     if schedule == "USL":
         return oscillation(2 - q, 1 - q * (1 - A))
     return oscillation(2 - A * q, np.ones_like(q))
 
 
-RELATIONS: Mapping[str, Relation] = {
+RELATIONS: dict[str, Relation] = {
     "fem-p1-lumped-cd": partial(newmark, mass="lumped", beta=0.0),
     "fem-p1-consistent-cd": partial(newmark, mass="consistent", beta=0.0),
     "fem-p1-lumped-newmark": partial(newmark, mass="lumped", beta=0.25),
     "fem-p1-consistent-newmark": partial(newmark, mass="consistent", beta=0.25),
     "tg-lumped": partial(taylor_galerkin, passes=1),
     "tg-consistent-3": partial(taylor_galerkin, passes=3),
-    "mpm-tl-linear-usf-flip": partial(material_point, schedule="USF"),
-    "mpm-tl-linear-usl-flip": partial(material_point, schedule="USL"),
-    "mpm-tl-linear-musl-flip": partial(material_point, schedule="MUSL"),
 }
 """Relations by scheme."""
+RELATIONS |= {
+    f"mpm-tl-{basis}-{schedule.lower()}-flip": partial(material_point, schedule=schedule, degree=degree)
+    for degree, basis in ((1, "linear"), (2, "quadratic"))
+    for schedule in ("USF", "USL", "MUSL")
+}
+
+
+def phase_lag(relation: str, courant: float, ppc: int = 1) -> float:
+    """Leading phase error of a scheme: lag in omega/(c k) = 1 - lag (k h)^2 + O((k h)^4), negative when waves run ahead.
+
+    Parameters
+    ----------
+    relation : str
+        Name in `RELATIONS`.
+    courant : float
+        nu_C [1].
+    ppc : int
+        Particles per cell.
+    """
+    theta = np.array([0.04, 0.02])
+    coarse, fine = (1 - np.angle(RELATIONS[relation](theta, courant, ppc)) / (courant * theta)) / theta**2
+    return float((4 * fine - coarse) / 3)
