@@ -7,12 +7,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpmverify.convergence import analyse, judge_order
+from mpmverify.convergence import ROUND_OFF, analyse, judge_order
 from mpmverify.criteria.judging import judge_largest
 from mpmverify.errors import UsageError
-from mpmverify.exact.dispersion import RELATIONS
+from mpmverify.exact.dispersion import RELATIONS, front_lag, leading_errors
 from mpmverify.gate import Evidence, Judgement, Setting, Verdict, worst
-from mpmverify.problem import Array, Problem
+from mpmverify.problem import Array
 from mpmverify.solution import Solution
 from mpmverify.waves import amplitude, delay_and_gain, front, jump, modal_history, step_factor
 
@@ -20,6 +20,12 @@ ClosedForm = Callable[[Array, float], Array]
 """Exact values (n,) at positions (n,) [m] and a time [s]."""
 REACH, DIFFERENCE = 0.25, 1e-4
 """Largest phase error that is looked for, and the step of its difference quotients, in final times."""
+
+
+def known(relation: str) -> None:
+    """Raise a `UsageError` when there is no dispersion relation of this name."""
+    if relation not in RELATIONS:
+        raise UsageError(f"the dispersion relation {relation!r} is unknown: choose from {', '.join(RELATIONS)}")
 
 
 @dataclass(frozen=True)
@@ -52,8 +58,7 @@ class Dispersion:
     source: str
 
     def __post_init__(self) -> None:
-        if self.relation not in RELATIONS:
-            raise UsageError(f"the dispersion relation {self.relation!r} is unknown: choose from {', '.join(RELATIONS)}")
+        known(self.relation)
 
     @property
     def title(self) -> str:
@@ -87,73 +92,97 @@ class Dispersion:
         return verdict, f"{reason}, for k h from {angle.min():.3g} to {angle.max():.3g}"
 
 
+def closed_form(quantity: str, solution: Solution, setting: Setting) -> ClosedForm | None:
+    """Exact field of a quantity that both sides have on a bar; None when there is none."""
+    field = setting.problem.exact.fields.get(quantity)
+    if field is None or quantity not in solution.fields or setting.problem.problem.dimension != 1:
+        return None
+    return lambda x, t: field(x[:, None], np.array([t]))[0, :, 0]
+
+
 @dataclass(frozen=True)
-class Leading:
-    """An error of known leading term: it falls as C h^p, and at the finest level it has the size and the sign of that term.
+class LeadingTerm:
+    """A signed error of the wave at the final time converges to the leading term of the scheme's dispersion relation.
+
+    In size and sign, which no order tells.
 
     Parameters
     ----------
     quantity : str
     order : float
-        p.
     slack : float
         Of the order, either way.
     source : str
-    leading : float, optional
-        C, in 1/m^p; None when the order alone is known.
+    relation : str
+        Name in `mpmverify.exact.dispersion.RELATIONS`.
+    factor : float
+        The term is factor * coefficient * h^order, with the coefficient of the relation [1/m^order].
     tolerance : float
-        Of error/(C h^p) - 1 at the finest level.
+        Of the error relative to the term at the finest level.
+
+    Raises
+    ------
+    UsageError
+        If the relation is unknown.
     """
 
     quantity: str
     order: float
     slack: float
     source: str
-    leading: float | None = None
+    relation: str
+    factor: float
     tolerance: float = 0.02
     what: ClassVar[str]
 
+    def __post_init__(self) -> None:
+        known(self.relation)
+
     @property
     def title(self) -> str:
-        known = "" if self.leading is None else f", leading term {self.leading:.4g}"
-        return f"{self.what} of {self.quantity} of order {self.order:.3g}{known}"
+        return f"{self.what} of {self.quantity} of order {self.order:g} by {self.relation}"
 
     @property
     def metric(self) -> str:
         return f"{self.what.replace(' ', '_')}_{self.quantity}"
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        exact = setting.problem.exact.fields
-        if self.quantity not in solution.fields or self.quantity not in exact or setting.problem.problem.dimension != 1:
-            return {}
-        field = exact[self.quantity]
-        return {
-            self.metric: self.error(solution, setting.problem.problem, lambda x, t: field(x[:, None], np.array([t]))[0, :, 0])
-        }
+        exact = closed_form(self.quantity, solution, setting)
+        return {} if exact is None else {self.metric: self.error(solution, exact)}
 
-    def error(self, solution: Solution, problem: Problem, exact: ClosedForm) -> float:
+    def error(self, solution: Solution, exact: ClosedForm) -> float:
         """Signed error of a solution; NaN where it has none, because something is not finite or there is no wave."""
+        raise NotImplementedError
+
+    @staticmethod
+    def coefficient(lag: float, loss: float) -> float:
+        """Of the two leading errors of a relation, the one that counts."""
         raise NotImplementedError
 
     def judge(self, evidence: Evidence) -> Judgement:
         error = evidence.metrics[self.metric]
-        series = analyse(evidence.h, np.abs(error))
-        verdict, reason = judge_order(series, self.order - self.slack, self.order + self.slack)
-        if self.leading is None or verdict is Verdict.ERROR:
-            return verdict, reason
+        verdict, reason = judge_order(analyse(evidence.h, np.abs(error)), self.order - self.slack, self.order + self.slack)
         finest = np.argmin(evidence.h)
-        share = error[finest] / (self.leading * evidence.h[finest] ** self.order)
-        kept = abs(share - 1) <= self.tolerance
-        return worst([verdict, Verdict.PASS if kept else Verdict.FAIL]), f"{share:.4f} of the leading term, {reason}"
+        leading = leading_errors(self.relation, float(evidence.courant[finest]), int(evidence.ppc[finest]))
+        term = self.factor * self.coefficient(*leading) * evidence.h[finest] ** self.order
+        if verdict is Verdict.ERROR or abs(term) <= ROUND_OFF:
+            return verdict, reason
+        share = error[finest] / term
+        kept = Verdict.PASS if abs(share - 1) <= self.tolerance else Verdict.FAIL
+        return worst([verdict, kept]), f"{share:.4f} of the leading term at h={evidence.h[finest]:g}, {reason}"
 
 
 @dataclass(frozen=True)
-class PhaseError(Leading):
-    """The wave at the final time is late, in parts of that time, by an error of known leading term; early is negative."""
+class PhaseError(LeadingTerm):
+    """The wave at the final time is late, in parts of that time; early is negative."""
 
     what = "phase error"
 
-    def error(self, solution: Solution, problem: Problem, exact: ClosedForm) -> float:
+    @staticmethod
+    def coefficient(lag: float, loss: float) -> float:
+        return lag
+
+    def error(self, solution: Solution, exact: ClosedForm) -> float:
         x, end = solution.reference[:, 0], float(solution.time[-1])
         values, weight = solution.fields[self.quantity][-1, :, 0], solution.weight[-1]
         delay, _ = delay_and_gain(values, weight, lambda late: exact(x, end - late), REACH * end, DIFFERENCE * end)
@@ -161,7 +190,7 @@ class PhaseError(Leading):
 
 
 @dataclass(frozen=True)
-class AmplitudeDecay(Leading):
+class AmplitudeDecay(LeadingTerm):
     """The wave loses a part of its root mean square from the first to the last output; growth is negative.
 
     Both are taken relative to the exact solution at the same points, and the first as what the samples show of the wave.
@@ -169,7 +198,11 @@ class AmplitudeDecay(Leading):
 
     what = "amplitude decay"
 
-    def error(self, solution: Solution, problem: Problem, exact: ClosedForm) -> float:
+    @staticmethod
+    def coefficient(lag: float, loss: float) -> float:
+        return loss
+
+    def error(self, solution: Solution, exact: ClosedForm) -> float:
         x, sizes = solution.reference[:, 0], []
         for output in (0, -1):
             weight, known = solution.weight[output], exact(x, float(solution.time[output]))
@@ -181,14 +214,56 @@ class AmplitudeDecay(Leading):
 
 
 @dataclass(frozen=True)
-class FrontPosition(Leading):
-    """The only front of the final time lags behind the exact one, in parts of the body's length; ahead is negative."""
+class FrontPosition:
+    """The only front of the final time lags behind the exact one by what the scheme's dispersion relation says.
 
-    what = "front lag"
+    Parameters
+    ----------
+    quantity : str
+    relation : str
+        Name in `mpmverify.exact.dispersion.RELATIONS`.
+    cells : float
+        Largest deviation of the lag [cells].
+    source : str
 
-    def error(self, solution: Solution, problem: Problem, exact: ClosedForm) -> float:
+    Raises
+    ------
+    UsageError
+        If the relation is unknown.
+    """
+
+    quantity: str
+    relation: str
+    cells: float
+    source: str
+
+    def __post_init__(self) -> None:
+        known(self.relation)
+
+    @property
+    def title(self) -> str:
+        return f"front of {self.quantity} to {self.cells:g} cells where {self.relation} has it"
+
+    @property
+    def metrics(self) -> tuple[str, str]:
+        """Lag [cells]: measured, negative when ahead, and theoretical."""
+        return f"front_lag_{self.quantity}", f"theoretical_front_lag_{self.quantity}"
+
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
+        exact, at = closed_form(self.quantity, solution, setting), setting.discretisation
+        if exact is None:
+            return {}
         x, end = solution.reference[:, 0], float(solution.time[-1])
         place, level = jump(lambda x: exact(x, end), x)
         before, _ = jump(lambda x: exact(x, (1 - DIFFERENCE) * end), x)
         found = front(x, solution.fields[self.quantity][-1, :, 0], level)
-        return math.copysign(1.0, place - before) * (place - found) / problem.lengths[0] if place != before else math.nan
+        lag = math.copysign(1.0, place - before) * (place - found) / at.h if place != before else math.nan
+        courant = setting.problem.problem.material.wave_speed * solution.dt / at.h
+        theory = front_lag(self.relation, courant, round(end / solution.dt), at.ppc)
+        return dict(zip(self.metrics, (lag, theory), strict=True))
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        lag, theory = (evidence.metrics[name] for name in self.metrics)
+        finest = np.argmin(evidence.h)
+        verdict, reason = judge_largest(np.abs(lag - theory), self.cells, "deviation in cells")
+        return verdict, f"{reason}; it lags by {lag[finest]:.3f} cells at h={evidence.h[finest]:g}"
