@@ -9,7 +9,8 @@ from .parts import Curve, Fact, GateMark, Group, Link, Mark, Option, OrderTable,
 class CaseSection:
     """A case on the page of its study.
 
-    `figures` is JSON for the script, safe within HTML; `charted` tells whether any error can be drawn against h.
+    `figures` is JSON for the script, safe within HTML; `charted` tells whether any error can be drawn against h, and
+    `dispersive` whether frequencies were measured.
     """
 
     anchor: str
@@ -22,6 +23,7 @@ class CaseSection:
     quantities: tuple[Option, ...]
     norms: tuple[Option, ...]
     charted: bool
+    dispersive: bool
     curves: tuple[Curve, ...]
     wave_quantities: tuple[Option, ...]
     thumbnail_quantity: str

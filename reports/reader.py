@@ -83,6 +83,7 @@ def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]
             estimates=_estimates(column, units, fits.index(identity), indices),
             bands=bands.get(identity, {}),
             findings=tuple(judged.get(identity, ())),
+            metrics=_metrics(column, indices),
             profile=profiles.get(identity),
             histories=history,
             history_units=history_units,
@@ -124,6 +125,12 @@ def _estimates(
                 classification=str(column["classification"][row, k, n]),
             )
     return table
+
+
+def _metrics(column: Mapping[str, np.ndarray], indices: np.ndarray) -> dict[str, Array]:
+    """What the criteria measured on a series, by name."""
+    table = {name: column["metric"][indices, k] for k, name in enumerate(column["metric_name"].tolist())}
+    return {name: values for name, values in table.items() if np.isfinite(values).any()}
 
 
 def _bands(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[Measure, tuple[float, float]]]:

@@ -79,6 +79,7 @@ class Series:
     estimates: Mapping[Measure, Estimate]
     bands: Mapping[Measure, tuple[float, float]]
     findings: tuple[Finding, ...]
+    metrics: Mapping[str, Array] = field(default_factory=dict)
     profile: Profile | None = None
     histories: Mapping[str, Array] = field(default_factory=dict)
     history_units: Mapping[str, str] = field(default_factory=dict)

@@ -7,7 +7,7 @@ from typing import Any
 
 from mpmverify.gate import Finding, Verdict
 
-from . import charts
+from . import charts, dispersion
 from .balances import balances
 from .equations import mathml
 from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size
@@ -93,6 +93,7 @@ def _section(
         quantities=_options([q for q, _ in known], shown and shown[0], {}),
         norms=_options([norm for _, norm in known], shown and shown[1], NORM_NAMES),
         charted=_charted(series),
+        dispersive=any(list(dispersion.measured(entry)) for entry in series),
         curves=_curves(series, looks, shown, first),
         wave_quantities=_options(list(units), first, {}),
         thumbnail_quantity=first,
@@ -202,6 +203,7 @@ def _figures(
         )
     body = {
         "convergence": charts.convergence(series, looks, known),
+        "dispersion": dispersion.figure(series, looks),
         "waves": charts.wave_figures(units),
         "history": charts.history_layout(),
         "series": table,

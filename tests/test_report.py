@@ -68,7 +68,9 @@ def level(case: str, solver: str, label: str, h: float) -> Level:
         return Level(*identity, outcome=f"crashed; {HOSTILE}")
     error = {"good": h**2, "bad": math.nan if h < 1 / 100 else h}[solver]
     norms = np.full(4, error), np.ones(4)
-    return Level(*identity, dt=h / 2, steps=9, point_steps=99, seconds=0.1, errors={"u": norms}, metrics={"mass_defect": 1e-16})
+    mode = {"phase_angle_u": 2 * h, "relative_frequency_u": 1 - error, "theoretical_frequency_u": 1 - h**2}
+    metrics = {"mass_defect": 1e-16} | (mode if solver == "good" else {})
+    return Level(*identity, dt=h / 2, steps=9, point_steps=99, seconds=0.1, errors={"u": norms}, metrics=metrics)
 
 
 def shot(case: str, solver: str, label: str) -> Snapshots:
@@ -239,6 +241,17 @@ def test_nothing_from_a_file_becomes_markup(stored: tuple[Results, list]) -> Non
     known = pages(stored[0])
     assert known["index.html"].scripts == 1
     assert known["sample.html"].scripts == 2
+
+
+def test_measured_frequencies_lie_on_the_chart_of_the_series_that_has_them(stored: tuple[Results, list]) -> None:
+    page = pages(stored[0])["sample.html"]
+    lines, markers = strict(page.data[0])["dispersion"]["data"]
+    assert (lines["mode"], markers["mode"]) == ("lines", "markers")
+    assert lines["meta"] == markers["meta"] == {"series": 0}
+    assert markers["x"] == lines["x"] == sorted(2 * h for h in SIZES)
+    assert markers["y"] == pytest.approx([1 - h**2 for h in sorted(SIZES)], rel=1e-4)
+    assert "ω/(ck) = 0.999939" in markers["text"][0]
+    assert 'data-chart="dispersion"' in (stored[0].report / "sample.html").read_text(encoding="utf-8")
 
 
 def test_figures_are_strict_json_in_bounded_space(stored: tuple[Results, list]) -> None:

@@ -75,7 +75,7 @@ class Case {
 
   prepare() {
     for (const name of ["quantity", "norm"]) this.on(this.role(name), "change", this.chooseMeasure);
-    for (const box of this.section.querySelectorAll("input[data-series]")) this.on(box, "change", () => this.refresh("convergence"));
+    for (const box of this.section.querySelectorAll("input[data-series]")) this.on(box, "change", () => this.refreshSeries());
     for (const button of this.section.querySelectorAll("[data-pick]")) this.on(button, "click", () => this.pick(button.dataset.pick));
     for (const button of this.section.querySelectorAll("[data-focus]")) {
       this.on(button, "click", () => this.chooseSeries(Number(button.dataset.focus)));
@@ -117,16 +117,25 @@ class Case {
     for (const box of this.section.querySelectorAll("input[data-series]")) {
       box.checked = which === "all" || (which !== "none" && box.dataset[which] === "1");
     }
-    this.refresh("convergence");
+    this.refreshSeries();
+  }
+
+  chosen() {
+    const boxes = [...this.section.querySelectorAll("input[data-series]:checked")];
+    return new Set(boxes.map((box) => Number(box.dataset.series)));
   }
 
   convergence() {
     const { data, layout, titles } = this.figures.convergence;
-    const boxes = [...this.section.querySelectorAll("input[data-series]:checked")];
-    const chosen = new Set(boxes.map((box) => Number(box.dataset.series)));
+    const chosen = this.chosen();
     const mine = data.filter((trace) => trace.meta.measure === this.measure);
     const shown = mine.filter(({ meta }) => (meta.of ? meta.of.some((k) => chosen.has(k)) : chosen.has(meta.series)));
     return { data: shown, layout: { ...layout, yaxis: { ...layout.yaxis, title: { text: titles[this.measure], standoff: 8 } } } };
+  }
+
+  dispersion() {
+    const { data, layout } = this.figures.dispersion;
+    return { data: data.filter(({ meta }) => this.chosen().has(meta.series)), layout };
   }
 
   // Waves of one series
@@ -248,6 +257,7 @@ class Case {
 
   figure(kind) {
     if (kind === "convergence") return this.convergence();
+    if (kind === "dispersion") return this.dispersion();
     if (kind === "profile") return this.profile();
     if (kind.startsWith("history-")) return this.history(Number(kind.slice(8)));
     return this.heat(kind);
@@ -268,6 +278,10 @@ class Case {
 
   refresh(kind) {
     for (const chart of [...this.drawn.keys()]) if (chart.dataset.chart === kind) this.draw(chart);
+  }
+
+  refreshSeries() {
+    for (const kind of ["convergence", "dispersion"]) this.refresh(kind);
   }
 
   refreshWaves() {
