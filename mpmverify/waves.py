@@ -162,7 +162,7 @@ def jump(field: Callable[[Array], Array], position: Array) -> tuple[float, float
 
     Notes
     -----
-    The position is bisected to round-off. NaN when the profile is constant or not finite.
+    The position is bisected to 2^-45 of the spacing. NaN when the profile is constant or not finite.
     """
     x = np.sort(position)
     values = field(x)
@@ -171,7 +171,7 @@ def jump(field: Callable[[Array], Array], position: Array) -> tuple[float, float
     i = int(np.argmax(np.abs(np.diff(values))))
     level, rising = (values[i] + values[i + 1]) / 2, values[i + 1] > values[i]
     low, high = float(x[i]), float(x[i + 1])
-    for _ in range(60):
+    for _ in range(45):
         middle = (low + high) / 2
         passed = (field(np.array([middle]))[0] > level) == rising
         low, high = (low, middle) if passed else (middle, high)

@@ -6,7 +6,7 @@ The exact one is exp(i nu_C theta). Of a conjugate pair the factor is that of po
 
 import math
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -201,6 +201,7 @@ def leading_errors(relation: str, courant: float, ppc: int = 1) -> tuple[float, 
     return float((4 * lag[1] - lag[0]) / 3), float((4 * loss[1] - loss[0]) / 3)
 
 
+@cache
 def front_lag(relation: str, courant: float, steps: int, ppc: int = 1) -> float:
     """How far, in cells, the middle of a front lags behind a jump that the scheme has carried for some steps.
 
