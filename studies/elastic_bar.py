@@ -45,7 +45,7 @@ FIRST_ORDER = (
 )
 LAG_SOURCE = (
     "leading phase error of the scheme's dispersion relation, lag (k h)^2; with the mean k^4/k^2 = 3/(w c)^2 of the pulse's power "
-    "spectrum it is late by 3 lag h^2/(w c)^2 of the time since its centre entered the bar; ends that mirror the bar add nothing "
+    "spectrum it is late by 3 lag h^2/(w c)^2 of the time since its centre entered the bar; the ends add nothing that could be measured "
     "of that order"
 )
 FRONT_SOURCE = (
