@@ -3,15 +3,15 @@
 import math
 import sys
 import webbrowser
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from mpmverify import __version__
-from mpmverify.errors import MpmverifyError, UsageError
+from mpmverify.command import Group
+from mpmverify.errors import UsageError
 from mpmverify.judge import judge
 
 if TYPE_CHECKING:
@@ -19,40 +19,6 @@ if TYPE_CHECKING:
     from mpmverify.study import Study
 
 EPILOG = "Exit status: 0 pass, 1 a gate failed, 2 usage, 3 a run erred, 4 inconclusive under --strict."
-
-
-INTERRUPTED = 130
-"""Exit status after SIGINT, as shells have it: 1 would say that a gate failed."""
-
-
-class _Abort(click.ClickException):
-    exit_code = 2
-
-
-class _Group(click.Group):
-    def make_context(self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any) -> Any:
-        with _one_sentence():
-            return super().make_context(info_name, args, parent, **extra)
-
-    def invoke(self, ctx: click.Context) -> Any:
-        with _one_sentence():
-            return super().invoke(ctx)
-
-
-@contextmanager
-def _one_sentence() -> Iterator[None]:
-    """Turn the library's errors and click's into one sentence and exit status 2; an interrupt is no verdict either."""
-    try:
-        yield
-    except click.exceptions.NoArgsIsHelpError:
-        raise
-    except click.UsageError as error:
-        raise _Abort(error.format_message()) from error
-    except MpmverifyError as error:
-        raise _Abort(str(error)) from error
-    except KeyboardInterrupt:
-        click.echo("Interrupted: finished runs are kept, run again to go on.", err=True)
-        sys.exit(INTERRUPTED)
 
 
 def positive(_ctx: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
@@ -71,7 +37,7 @@ baseline_option = click.option(
 studies_argument = click.argument("studies", metavar="[STUDY]...", nargs=-1)
 
 
-@click.group(cls=_Group, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Group, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mpmverify")
 def cli() -> None:
     """Prove that a wave solver is right: convergence studies, accuracy gates and reports."""
@@ -213,7 +179,7 @@ def report(out: Path, open_: bool) -> None:
         webbrowser.open(page.resolve().as_uri())
 
 
-@cli.group(cls=_Group)
+@cli.group(cls=Group)
 def baseline() -> None:
     """Manage the baseline of the regression gate."""
 
