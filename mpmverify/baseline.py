@@ -72,10 +72,9 @@ class Baseline:
                 if name not in known:
                     continue
                 compared += 1
-                noise = NOISE * (size or 1.0)
-                if now > then * (1 + RELATIVE) + noise:
-                    worse.append((now / max(then, noise), f"{name} at {level} rose from {then:.3e} to {now:.3e}"))
-                elif now < then * (1 - RELATIVE) - noise:
+                if rose(then, now, size):
+                    worse.append((now / max(then, noise(size)), f"{name} at {level} rose from {then:.3e} to {now:.3e}"))
+                elif rose(now, then, size):
                     better.append((now / then, f"{name} at {level} fell from {then:.3e} to {now:.3e}"))
         if worse:
             return Verdict.FAIL, f"{max(worse)[1]} ({len(worse)} of {compared} errors are worse)"
@@ -109,6 +108,16 @@ class Baseline:
         body = {"accepted": self.accepted, "errors": self.entries}
         text = json.dumps(body, indent=1, sort_keys=True) + "\n"
         write_atomic(self.path, lambda temporary: temporary.write_text(text, encoding="utf-8"), remedy)
+
+
+def noise(size: float) -> float:
+    """Error norm that is round-off beside an exact norm `size`, and beside one where that is zero."""
+    return NOISE * (size or 1.0)
+
+
+def rose(then: float, now: float, size: float) -> bool:
+    """Whether an error norm grew by what counts, beyond the round-off of an exact norm `size`; NaN never does."""
+    return now > then * (1 + RELATIVE) + noise(size)
 
 
 def levels(evidence: Evidence) -> Iterator[tuple[str, Mapping[str, float]]]:
