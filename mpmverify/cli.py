@@ -179,6 +179,27 @@ def report(out: Path, open_: bool) -> None:
         webbrowser.open(page.resolve().as_uri())
 
 
+@cli.command(epilog="Exit status: 0 nothing is worse or lost, 1 something is, 2 usage.")
+@click.argument("before", metavar="A", type=click.Path(path_type=Path))
+@click.argument("after", metavar="B", type=click.Path(path_type=Path))
+@click.option("--explain", is_flag=True, help="Print every change.")
+def compare(before: Path, after: Path, explain: bool) -> None:
+    """Say what became worse, slower, lost, new, faster or better from the results in A to those in B.
+
+    Nothing is run: verdicts, errors, orders, steps and seconds are those in the files.
+    """
+    from mpmverify import comparison
+    from mpmverify.dataset.tables import read_tables
+    from mpmverify.display import show_comparison
+
+    if before.resolve() == after.resolve():
+        raise UsageError(f"A and B are both '{before}': name two results folders")
+    a, b = (read_tables(_stored(path, ())) for path in (before, after))
+    compared = comparison.compare(a, b)
+    show_comparison(compared, explain=explain)
+    sys.exit(compared.exit_status)
+
+
 @cli.group(cls=Group)
 def baseline() -> None:
     """Manage the baseline of the regression gate."""

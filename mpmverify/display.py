@@ -1,6 +1,7 @@
 """What the command line shows: progress while runs go on, then the verdicts."""
 
 import sys
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 
@@ -10,12 +11,24 @@ from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, Tim
 from rich.progress import Progress as Bars
 from rich.table import Table
 
+from mpmverify.change import Change, Direction, Kind
+from mpmverify.comparison import Comparison
 from mpmverify.gate import Finding, Judgement, Verdict
 from mpmverify.summary import counts, matrix, ranked
 
 STYLES = {Verdict.PASS: "green", Verdict.INCONCLUSIVE: "yellow", Verdict.FAIL: "bold red", Verdict.ERROR: "bold magenta"}
 LISTED = 20
 """Verdicts explained below the table unless all are asked for."""
+COLOURS = {
+    Direction.WORSE: "bold red",
+    Direction.LOST: "red",
+    Direction.SLOWER: "yellow",
+    Direction.FASTER: "green",
+    Direction.NEW: "cyan",
+    Direction.BETTER: "bold green",
+}
+LISTED_CHANGES = 10
+"""Changes of each direction listed unless all are asked for."""
 
 
 class Progress:
@@ -47,9 +60,7 @@ class Progress:
 
 def show(findings: Sequence[Finding], *, explain: bool = False) -> None:
     """Print the matrix of solver by study, then what is no PASS (with `explain`, everything), with the reason."""
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=140)
+    console = _console()
     studies = list(dict.fromkeys(finding.study for finding in findings))
     table = Table("solver", *(escape(study) for study in studies))
     for solver, row in matrix(findings).items():
@@ -74,3 +85,54 @@ def show_judgements(judgements: Mapping[str, Judgement]) -> None:
     console = Console()
     for name, (verdict, reason) in judgements.items():
         console.print(f"[{STYLES[verdict]}]{verdict}[/]", escape(f"{name}: {reason}"), highlight=False, soft_wrap=True)
+
+
+def show_comparison(comparison: Comparison, *, explain: bool = False) -> None:
+    """Print where two results folders come from, and of each direction how many changes there are and the worst (with `explain`, all)."""
+    console = _console()
+    for name, source in (("A", comparison.before), ("B", comparison.after)):
+        commit, state, tier, versions = ("; ".join(source[key]) for key in ("commit", "commit_state", "tier", "versions"))
+        origin = f"{name}: commit {commit} ({state}), tier {tier}, of {source['date_created'][-1]}, with {versions}"
+        console.print(origin, highlight=False, markup=False)
+    for caution in comparison.cautions:
+        console.print(f"[yellow]Caution:[/] {escape(caution)}.", highlight=False)
+    grouped = [(change, 1) for change in comparison.changes] if explain else comparison.grouped()
+    table = Table("", "what", "where", "of which", "A", "B", "change")
+    for direction in Direction:
+        mine = [(change, count) for change, count in grouped if change.direction is direction]
+        listed = mine if explain else mine[:LISTED_CHANGES]
+        for change, count in listed:
+            table.add_row(f"[{COLOURS[direction]}]{direction.upper()}[/]", *map(escape, _cells(change, count)))
+        if left := sum(count for _, count in mine[len(listed) :]):
+            table.add_row("", "", f"and {left} more: --explain shows all")
+        table.add_section()
+    if comparison.changes:
+        console.print(table)
+    counted = Counter(change.direction for change in comparison.changes)
+    changes = ", ".join(f"{counted[direction]} {direction}" for direction in Direction if counted[direction])
+    both = ", ".join(f"{count} {name}" for name, count in comparison.compared.items())
+    console.print(f"{changes or 'Nothing changed'}: {both} compared.", highlight=False)
+
+
+def _cells(change: Change, count: int) -> tuple[str, ...]:
+    """What changed, where, of which, from what, to what, and by how much."""
+    where = " / ".join(part for part in (change.study, change.case, change.solver) if part)
+    where += f" ({change.refinement})" if change.refinement else ""
+    which = " at ".join(part for part in (change.name, change.level) if part)
+    which += f" (and {count - 1} like it)" if count > 1 else ""
+    then, now = (f"{value:.4g}" if isinstance(value, int | float) else value or "" for value in (change.before, change.after))
+    return str(change.kind), where, which, then, now, _by(change)
+
+
+def _by(change: Change) -> str:
+    """Signed size of a change."""
+    if change.kind is Kind.ORDER:
+        return f"{-change.size if change.direction is Direction.WORSE else change.size:+.3f}"
+    if isinstance(change.before, int | float) and isinstance(change.after, int | float) and change.before:
+        return f"{100 * (change.after / change.before - 1):+.3g} %"
+    return ""
+
+
+def _console() -> Console:
+    console = Console()
+    return console if console.is_terminal else Console(width=140)

@@ -55,7 +55,7 @@ def contents(path):
 
 
 @pytest.mark.parametrize(
-    "command", [[], ["run"], ["gate"], ["report"], ["list"], ["judge"], ["baseline"], ["baseline", "accept"]]
+    "command", [[], ["run"], ["gate"], ["report"], ["list"], ["judge"], ["compare"], ["baseline"], ["baseline", "accept"]]
 )
 def test_every_command_has_help(command):
     result = call(*command, "--help")

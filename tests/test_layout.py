@@ -26,7 +26,7 @@ LAYERS = (
     {"exact", "norms", "convergence", "gate", "baseline", "criteria", "synthetic"},
     {"study"},
     {"dataset"},
-    {"evaluation", "pool", "runner", "summary", "display", "verification", "bench", "command", "judge"},
+    {"evaluation", "pool", "runner", "summary", "display", "verification", "bench", "command", "judge", "change", "comparison"},
     {"cli", "pytest_plugin"},
     {"__main__"},
 )

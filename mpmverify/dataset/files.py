@@ -74,11 +74,9 @@ def check_ours(path: Path, kind: str) -> dict[str, Any]:
     except FileNotFoundError as error:
         raise ResultsError(f"'{path}' does not exist: run `mpmverify run` first") from error
     except (OSError, RuntimeError) as error:
-        raise ResultsError(
-            f"'{path}' is not a readable netCDF file: move it away or choose another folder with --out"
-        ) from error
+        raise ResultsError(f"'{path}' is not a readable netCDF file: move it away or choose another folder") from error
     if attributes.get("mpmverify_kind") != kind:
-        raise ResultsError(f"'{path}' is not an mpmverify {kind} file: move it away or choose another folder with --out")
+        raise ResultsError(f"'{path}' is not an mpmverify {kind} file: move it away or choose another folder")
     schema = attributes.get("mpmverify_schema", "none")
     if str(schema) != str(SCHEMA):
         raise ResultsError(f"'{path}' has schema {schema}, this version reads {SCHEMA}: move it away and run again")

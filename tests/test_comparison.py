@@ -1,0 +1,415 @@
+"""Comparison of two results folders: every kind of change is seen, counted once and has its direction, and nothing else is."""
+
+import dataclasses
+import math
+import re
+import shutil
+from collections import Counter
+
+import netCDF4
+import pytest
+from click.testing import CliRunner
+from faulty_solvers import SECOND_ORDER, Scripted, plan, study
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmverify import cli, display
+from mpmverify.baseline import NOISE, RELATIVE
+from mpmverify.change import Change, Direction, Kind
+from mpmverify.comparison import SECONDS, SLOWER, Comparison, compare
+from mpmverify.criteria import Balance, Order
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.tables import PROVENANCE, Run, SeriesKey, Tables, read_tables
+from mpmverify.dataset.tables import Order as Fitted
+from mpmverify.errors import ResultsError
+from mpmverify.gate import Verdict
+from mpmverify.norms import NORMS
+from mpmverify.problem import Discretisation, Problem
+from mpmverify.runner import run
+from mpmverify.solution import Solution
+
+LIGHT = settings(max_examples=60, deadline=None)
+LEVELS = 3
+
+
+@dataclasses.dataclass(frozen=True)
+class Worked(Scripted):
+    """Reports another cost, and an error that is larger by a factor."""
+
+    steps: int = 1
+    seconds: float = 0.25
+    factor: float = 1.0
+
+    def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
+        good = super().solve(problem, discretisation)
+        exact = good.fields["u"] - discretisation.h**self.order
+        work = dataclasses.replace(good.work, steps=good.work.steps * self.steps, seconds=self.seconds)
+        return dataclasses.replace(good, work=work, fields={"u": exact + self.factor * discretisation.h**self.order})
+
+
+def stored(path, *declared, **choices) -> Tables:
+    list(run(declared, plan(path, **choices)))
+    return read_tables(Results(path).studies())
+
+
+def counts(comparison: Comparison) -> Counter:
+    return Counter((str(change.direction), str(change.kind)) for change in comparison.changes)
+
+
+def mirrored(comparison: Comparison) -> Counter:
+    return Counter(
+        repr(dataclasses.replace(c, direction=c.direction.opposite, before=c.after, after=c.before)) for c in comparison.changes
+    )
+
+
+def listed(comparison: Comparison) -> Counter:
+    return Counter(map(repr, comparison.changes))
+
+
+NORMS_OF_U = LEVELS * len(NORMS)
+UNFINISHED = Scripted("unstable", below=0.04)
+"""Fails on the finest of its three levels; `below` 0 is a twin of the same name that never does."""
+FINISHED = dataclasses.replace(UNFINISHED, below=0.0)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"),
+    [
+        # Every error, the order and the verdict on it: a first order where the second was.
+        (
+            study(Worked()),
+            study(Worked(order=1.0)),
+            {("worse", "verdict"): 1, ("worse", "error"): NORMS_OF_U, ("worse", "order"): len(NORMS)},
+        ),
+        # A constant factor leaves the order as it was.
+        (study(Worked()), study(Worked(factor=1.02)), {("worse", "error"): NORMS_OF_U}),
+        (study(Worked()), study(Worked(factor=1 + 0.5 * RELATIVE)), {}),
+        # One run that fails takes with it the verdicts on its series: two of verification, one of regression.
+        (study(FINISHED), study(UNFINISHED), {("worse", "outcome"): 1, ("worse", "verdict"): 3}),
+        # Work is exact; the particles or elements times steps say nothing more.
+        (study(Worked()), study(Worked(steps=3)), {("slower", "steps"): LEVELS}),
+        (study(Worked()), study(Worked(seconds=0.5)), {("slower", "seconds"): 1}),
+        (study(Worked()), study(Worked(seconds=0.25 * 1.2)), {}),
+        (study(Worked(seconds=SECONDS / 30)), study(Worked(seconds=SECONDS / 6)), {}),
+        (study(Worked(seconds=SECONDS / 30)), study(Worked(seconds=1.0)), {("slower", "seconds"): 1}),
+        # Parts: each is named once, by the largest that is missing.
+        (study(Worked(), FINISHED), study(Worked()), {("lost", "solver"): 1}),
+        (study(levels=4), study(), {("lost", "level"): 1}),
+        (study(criteria=SECOND_ORDER), study(criteria=SECOND_ORDER[:1]), {("lost", "criterion"): 1}),
+        # A band that was moved is another criterion: what it judged before is judged no longer.
+        (
+            study(criteria=(Order("u", "L2", 1.9, 2.1, "theory"),)),
+            study(criteria=(Order("u", "L2", 1.0, 2.1, "theory"),)),
+            {("lost", "criterion"): 1, ("new", "criterion"): 1},
+        ),
+        (study(), study().restricted(courant=0.25), {("lost", "ladder"): 1, ("new", "ladder"): 1}),
+        (
+            study(),
+            dataclasses.replace(study(), cases=(dataclasses.replace(study().cases[0], name="other"),)),
+            {("lost", "case"): 1, ("new", "case"): 1},
+        ),
+        (study(), study(name="another"), {("lost", "study"): 1, ("new", "study"): 1}),
+    ],
+)
+def test_each_kind_of_change_is_seen_counted_and_has_its_direction_both_ways(tmp_path, before, after, expected):
+    a, b = stored(tmp_path / "a", before), stored(tmp_path / "b", after)
+    there, back = compare(a, b), compare(b, a)
+    assert counts(there) == expected
+    assert listed(back) == mirrored(there)
+    assert there.exit_status == any(direction in ("worse", "lost") for direction, _ in expected)
+    assert compare(a, a).changes == compare(b, b).changes == ()
+
+
+def test_a_change_says_where_it_is_and_how_large(tmp_path):
+    a, b = stored(tmp_path / "a", study(Worked())), stored(tmp_path / "b", study(Worked(factor=3.0)))
+    for change in compare(a, b).changes:
+        assert (change.study, change.case, change.solver) == ("scripted", "hill", "scripted-good")
+        assert (change.refinement, change.name.split()[0]) == ("nu_C=0.5", "u")
+        assert change.level in {f"h={1 / cells:g} nu_C=0.5 ppc=1" for cells in (8, 16, 32)}
+        assert change.after == pytest.approx(3 * change.before)
+        assert change.size == pytest.approx(math.log(3))
+
+
+def test_verdicts_are_stored_ones_and_regression_is_read_beside_the_errors(tmp_path):
+    """A folder that was judged before its baseline was accepted gets better by the acceptance alone, and is told so once."""
+    a = stored(tmp_path / "a", study(Worked(), FINISHED))
+    keys = [key for key in a.verdicts if key[1].startswith("regression")]
+    assert len(keys) == 2
+    b = dataclasses.replace(a, verdicts=dict(a.verdicts) | dict.fromkeys(keys, Verdict.PASS))
+    comparison = compare(a, b)
+    assert counts(comparison) == {("better", "verdict"): 2}
+    assert [count for _, count in comparison.grouped()] == [2]
+
+
+# Properties over tables of all kinds.
+
+
+SERIES = st.builds(SeriesKey, st.sampled_from("st"), st.sampled_from("cd"), st.sampled_from("xy"), st.sampled_from("r"))
+RUNS = st.builds(
+    Run,
+    st.sampled_from(["completed", "completed", "unstable", "timed out"]),
+    st.integers(0, 3),
+    st.integers(0, 3),
+    st.sampled_from([0.0, 0.001, 0.008, 0.0125, 0.01, 1.0, 1.25, 1.26, 3.0]),
+)
+NUMBERS = st.sampled_from([0.0, 1e-13, 2e-11, 1.0, 1.0099, 1.01, 1.0101, 1.0102, 5.0, math.nan, math.inf])
+INTERVALS = st.tuples(st.sampled_from([1.0, 1.5, 2.0, 2.2]), st.sampled_from([0.0, 0.1, 0.3, math.inf]))
+PAST = st.fixed_dictionaries({name: st.sampled_from(["one, two 1", "one, two 2"]) for name in PROVENANCE})
+
+
+@st.composite
+def tables(draw) -> Tables:
+    runs = draw(st.dictionaries(st.tuples(SERIES, st.sampled_from(["h=1", "h=2"])), RUNS, max_size=8))
+    errors = {
+        (*key, name): (draw(NUMBERS), draw(st.sampled_from([0.0, 1.0])))
+        for key, of in runs.items()
+        if of.outcome == "completed"
+        for name in draw(st.sets(st.sampled_from(["u L2", "v L2"])))
+    }
+    series = sorted({key for key, _ in runs})
+    orders = {
+        (key, "u L2"): Fitted(p, p - by, p + by, frozenset(level for of, level in runs if of == key))
+        for key in series
+        for p, by in [draw(INTERVALS)]
+    }
+    verdicts = {
+        (key, name): draw(st.sampled_from(list(Verdict))) for key in series for name in draw(st.sets(st.sampled_from("kl")))
+    }
+    return Tables({key.study: draw(PAST) for key in series}, runs, errors, orders, verdicts)
+
+
+@LIGHT
+@given(tables(), tables())
+def test_to_compare_the_other_way_round_swaps_the_directions_and_nothing_else(a, b):
+    there, back = compare(a, b), compare(b, a)
+    assert listed(back) == mirrored(there)
+    assert (there.before, there.after, there.compared) == (back.after, back.before, back.compared)
+
+
+@LIGHT
+@given(tables())
+def test_a_folder_compared_with_itself_shows_no_difference(a):
+    comparison = compare(a, a)
+    assert comparison.changes == ()
+    assert comparison.exit_status == 0
+    assert comparison.compared["runs"] == len(a.runs)
+
+
+@LIGHT
+@given(tables(), tables())
+def test_what_is_missing_is_named_once_by_the_largest_part(a, b):
+    lost = [c for c in compare(a, b).changes if c.direction is Direction.LOST and c.kind not in (Kind.CRITERION, Kind.NORM)]
+    for series, level in a.runs:
+        of = dataclasses.asdict(Change(Direction.LOST, Kind.LEVEL, *series, level))
+        covering = [c for c in lost if all(getattr(c, n) in ("", of[n]) for n in (*SeriesKey._fields, "level"))]
+        assert bool(covering) is ((series, level) not in b.runs)
+    for change in lost:
+        parts = [n for n in (*SeriesKey._fields, "level") if getattr(change, n)]
+        assert not [key for key in b.runs if all({**key[0]._asdict(), "level": key[1]}[n] == getattr(change, n) for n in parts)]
+
+
+@LIGHT
+@given(tables(), tables())
+def test_the_worst_comes_first_and_no_number_that_is_none_is_better(a, b):
+    comparison = compare(a, b)
+    order = list(Direction)
+    ranks = [order.index(change.direction) for change in comparison.changes]
+    assert ranks == sorted(ranks)
+    assert sum(count for _, count in comparison.grouped()) == len(comparison.changes)
+    for change in comparison.changes:
+        if change.kind is Kind.ERROR and not math.isfinite(change.after):
+            assert change.direction is Direction.WORSE
+            assert math.isfinite(change.before)
+
+
+@LIGHT
+@given(st.floats(0, 1), st.floats(0, 1), st.sampled_from([0.0, 1.0, 1e6]))
+def test_an_error_changes_by_the_rule_of_the_regression_gate(then, now, size):
+    key = (SeriesKey("s", "c", "x", "r"), "h=1")
+    before, after = (
+        Tables({}, {key: Run("completed", 1, 1, 1.0)}, {(*key, "u L2"): (error, size)}, {}, {}) for error in (then, now)
+    )
+    changes = compare(before, after).changes
+    noise = NOISE * (size or 1.0)
+    assert bool(changes) is (max(then, now) > min(then, now) * (1 + RELATIVE) + noise)
+    assert {change.direction for change in changes} <= {Direction.WORSE if now > then else Direction.BETTER}
+
+
+@given(st.lists(st.floats(1, 100), min_size=1, max_size=9), st.floats(0.1, 10))
+def test_seconds_that_grow_alike_are_slower_beyond_the_ratio_alone(seconds, ratio):
+    def timed(by):
+        series = SeriesKey("s", "c", "x", "r")
+        return Tables({}, {(series, f"h={k}"): Run("completed", 1, 1, s * by) for k, s in enumerate(seconds)}, {}, {}, {})
+
+    directions = [change.direction for change in compare(timed(1.0), timed(ratio)).changes]
+    if ratio > SLOWER * 1.001:
+        assert directions == [Direction.SLOWER]
+    elif ratio < 0.999 / SLOWER:
+        assert directions == [Direction.FASTER]
+    elif 1.001 / SLOWER < ratio < 0.999 * SLOWER:
+        assert directions == []
+
+
+def test_one_run_that_was_disturbed_makes_no_solver_slower():
+    series = SeriesKey("s", "c", "x", "r")
+    calm = {(series, f"h={k}"): Run("completed", 1, 1, 1.0) for k in range(4)}
+    disturbed = calm | {(series, f"h={k}"): Run("completed", 1, 1, 60.0) for k in range(2)}
+    assert compare(Tables({}, calm, {}, {}, {}), Tables({}, disturbed, {}, {}, {})).changes == ()
+
+
+# Cautions.
+
+
+def past(**changes):
+    return {
+        "s": dict.fromkeys(PROVENANCE, "x")
+        | {"commit_state": "clean", "versions": "python 3.11, numpy 2.0", "tier": "quick"}
+        | changes
+    }
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "caution"),
+    [
+        (past(), past(), ""),
+        (past(commit="a"), past(commit="b"), ""),
+        (past(), past(commit_state="dirty"), "B was made with uncommitted changes"),
+        (past(commit_state="dirty"), past(), "A was made with uncommitted changes"),
+        (past(tier="quick"), past(tier="full"), "the tiers differ (quick and full)"),
+        (
+            past(),
+            past(versions="python 3.11, numpy 2.1"),
+            "the libraries or machines differ (numpy 2.0 -> numpy 2.1): seconds are not",
+        ),
+        (past(), past(platform="Windows"), "the platforms differ (x -> Windows): seconds are not comparable"),
+        (past(), past() | {"t": past(commit="c")["s"]}, "B holds studies of 2 commits"),
+    ],
+)
+def test_what_limits_a_comparison_is_said(before, after, caution):
+    sentences = compare(Tables(before, {}, {}, {}, {}), Tables(after, {}, {}, {}, {})).cautions
+    assert len(sentences) == bool(caution)
+    assert all(sentence.startswith(caution) for sentence in sentences)
+
+
+# Command line.
+
+
+def call(*arguments):
+    return CliRunner().invoke(cli.cli, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def two(tmp_path):
+    """Two folders; in the second, every error is larger."""
+    stored(tmp_path / "a", study(Worked()))
+    stored(tmp_path / "b", study(Worked(factor=2.0)))
+    return tmp_path / "a", tmp_path / "b"
+
+
+def test_the_command_says_what_is_worse_and_exits_with_1(two):
+    result = call("compare", *two)
+    assert result.exit_code == 1
+    assert re.search(r"WORSE\W+error\W+scripted / hill", result.output)
+    assert f"{NORMS_OF_U} worse: 3 verdicts, {NORMS_OF_U} errors, 4 orders, 3 runs compared." in result.output
+    assert result.output.count("WORSE") == 1, "errors of one series are read as one"
+    assert "+100 %" in result.output
+    assert call("compare", *reversed(two)).exit_code == 0
+    assert call("compare", *two, "--explain").output.count("WORSE") == NORMS_OF_U
+
+
+def test_a_copy_shows_no_difference_and_nothing_is_changed(two, tmp_path):
+    shutil.copytree(two[0], tmp_path / "copy")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    result = call("compare", two[0], tmp_path / "copy")
+    assert result.exit_code == 0
+    assert f"Nothing changed: 3 verdicts, {NORMS_OF_U} errors, 4 orders, 3 runs compared." in result.output
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:1000])
+
+
+def foreign(path):
+    path.unlink()
+    with netCDF4.Dataset(path, "w") as file:
+        file.title = "not ours"
+
+
+def older(path):
+    with netCDF4.Dataset(path, "a") as file:
+        file.mpmverify_schema = 2
+
+
+def unjudged(path):
+    with netCDF4.Dataset(path, "a") as file:
+        file["scripted-good"].renameVariable("verdict_verdict", "opinion")
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize(
+    ("damage", "part"),
+    [
+        (cut, "is not a readable netCDF file"),
+        (foreign, "is not an mpmverify study file"),
+        (older, "has schema 2, this version reads"),
+        (unjudged, "is damaged"),
+    ],
+)
+def test_a_file_that_cannot_be_compared_is_named_in_one_sentence(two, side, damage, part):
+    damage(two[side] / "scripted.nc")
+    result = call("compare", *two)
+    assert result.exit_code == 2
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert f"'{two[side] / 'scripted.nc'}' {part}" in result.stderr
+    with pytest.raises(ResultsError):
+        read_tables([two[side] / "scripted.nc"])
+
+
+def test_two_folders_are_named_and_hold_results(two, tmp_path):
+    for arguments, part in (
+        ([two[0], two[0]], "A and B are both"),
+        ([two[0], two[1] / ".." / "a"], "A and B are both"),
+        ([two[0], tmp_path / "none"], f"no results in '{tmp_path / 'none'}'"),
+        ([tmp_path / "none", two[0]], f"no results in '{tmp_path / 'none'}'"),
+        ([two[0]], "Missing argument 'B'"),
+    ):
+        result = call("compare", *arguments)
+        assert result.exit_code == 2
+        assert len(result.stderr.strip().splitlines()) == 1
+        assert part in result.stderr
+
+
+def test_the_list_is_cut_by_direction_and_says_so(capsys):
+    def folder(verdict):
+        keys = [(SeriesKey("s[b]", "c", f"solver {k}", "r"), "verification: [/] order") for k in range(40)]
+        runs = {(series, "h=1"): Run("completed", 1, 1, 1.0) for series, _ in keys}
+        return Tables(past(), runs, {}, {}, dict.fromkeys(keys, verdict))
+
+    better = compare(folder(Verdict.FAIL), folder(Verdict.PASS))
+    display.show_comparison(better)
+    shown = capsys.readouterr().out
+    assert shown.count("BETTER") == display.LISTED_CHANGES
+    assert f"and {40 - display.LISTED_CHANGES} more: --explain shows all" in shown
+    assert "s[b] / c / solver 0 (r)" in shown, "text is not taken for markup"
+    assert "40 better: 40 verdicts, 0 errors, 0 orders, 40 runs compared." in shown
+    display.show_comparison(better, explain=True)
+    assert capsys.readouterr().out.count("BETTER") == 40
+
+
+def test_conservation_that_broke_is_worse(tmp_path):
+    """A verdict can change where no error does."""
+    criteria = (Balance("mass", "", "made so"),)
+    a = stored(tmp_path / "a", study(Worked(), criteria=criteria))
+    b = stored(tmp_path / "b", study(Leaking(), criteria=criteria))
+    assert counts(compare(a, b)) == {("worse", "verdict"): 1}
+
+
+@dataclasses.dataclass(frozen=True)
+class Leaking(Worked):
+    """Loses mass on the way."""
+
+    def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
+        good = super().solve(problem, discretisation)
+        time = good.histories["time"]
+        return dataclasses.replace(good, histories=dict(good.histories) | {"mass": 1 - 0.1 * time / time[-1]})
