@@ -1,9 +1,11 @@
 """Command line: every command parses, calls the library, displays or aborts; heavy imports stay inside."""
 
 import math
+import os
 import sys
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -143,7 +145,10 @@ def gate(
     strict: bool,
     explain: bool,
 ) -> None:
-    """Judge stored results; nothing is run and nothing is changed."""
+    """Judge stored results; nothing is run and nothing is changed.
+
+    On GitHub ($GITHUB_ACTIONS is "true") the worst ten findings become annotations.
+    """
     from mpmverify import summary as summaries
     from mpmverify.baseline import read_baseline
     from mpmverify.dataset.study import read_study
@@ -155,10 +160,18 @@ def gate(
     accepted = read_baseline(baseline or _shipped_baseline())
     findings = [f for path in _stored(out, studies) for f in findings_of(judged(read_study(path), accepted))]
     if junit:
-        _write(junit, summaries.junit(findings), "wb")
+        with _opened(junit, "wb") as file:
+            file.write(summaries.junit(findings))
     if summary:
-        _write(summary, summaries.markdown(findings).encode(), "ab")
+        with _opened(summary, "ab") as file:
+            text = summaries.markdown(findings, summaries.STEP_SUMMARY - (file.tell() if file.seekable() else 0))
+            file.write(text.encode())
+        if not text:
+            click.echo(f"'{summary}' is full: no verdicts were added to it.", err=True)
     show(findings, explain=explain)
+    if os.environ.get("GITHUB_ACTIONS") == "true":
+        for command in summaries.annotations(findings, out):
+            click.echo(command)
     sys.exit(exit_status([finding.verdict for finding in findings], strict=strict))
 
 
@@ -262,10 +275,11 @@ def _render(results: Any, *, fresh: bool = False) -> Path:
     return render(results, fresh=fresh)
 
 
-def _write(path: Path, content: bytes, mode: str) -> None:
+@contextmanager
+def _opened(path: Path, mode: str) -> Iterator[Any]:
     try:
         with path.open(mode) as file:
-            file.write(content)
+            yield file
     except OSError as error:
         raise UsageError(f"cannot write '{path}' ({error.strerror}): choose another file") from error
 

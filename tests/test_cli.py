@@ -16,6 +16,7 @@ from faulty_solvers import Scripted, study
 from mpmverify import cli, display, pool, studies
 from mpmverify.dataset.study import read_study
 from mpmverify.gate import Finding, Verdict
+from mpmverify.summary import STEP_SUMMARY
 
 STUDIES = {
     "scripted": study(Scripted()),
@@ -28,6 +29,7 @@ STUDIES = {
 def bench(monkeypatch):
     """Scripted studies, solved in this process, without a report."""
     monkeypatch.delenv("GITHUB_STEP_SUMMARY", raising=False)
+    monkeypatch.delenv("GITHUB_ACTIONS", raising=False)
     monkeypatch.setattr(studies, "NAMES", tuple(STUDIES))
     for name, declared in STUDIES.items():
         monkeypatch.setitem(sys.modules, f"mpmverify.studies.{name}", SimpleNamespace(STUDY=declared))
@@ -331,6 +333,28 @@ def test_only_accepting_writes_a_baseline(out, tmp_path):
     assert path.read_bytes() == before
 
 
+def test_gate_annotates_on_github_alone(tmp_path):
+    where = ("--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
+    call("run", "slow", "scripted", *where)
+    result = call("gate", *where, GITHUB_ACTIONS="true")
+    commands = [line for line in result.stdout.split("\n") if line.startswith("::")]
+    kinds = [command.split()[0] for command in commands]
+    assert kinds == sorted(kinds)
+    assert set(kinds) == {"::error", "::warning"}
+    assert commands[0].startswith("::error title=ERROR%3A slow / hill / scripted-unstable (nu_C=0.5),file=")
+    for elsewhere in ("", "false"):
+        assert "::error" not in call("gate", *where, GITHUB_ACTIONS=elsewhere).stdout
+
+
+def test_a_summary_that_is_full_is_left_as_it_is(out, tmp_path):
+    summary = tmp_path / "summary.md"
+    summary.write_bytes(b"x" * STEP_SUMMARY)
+    result = call("gate", "--out", out, "--baseline", tmp_path / "baseline.json", "--summary", summary)
+    assert result.exit_code == 0
+    assert result.stderr == f"'{summary}' is full: no verdicts were added to it.\n"
+    assert summary.read_bytes() == b"x" * STEP_SUMMARY
+
+
 def test_gate_judges_what_is_stored_with_the_baseline_of_now(out, tmp_path):
     where = ("--out", out, "--baseline", tmp_path / "baseline.json")
     assert call("gate", "scripted", "scripted", *where).output.count("INCONCLUSIVE scripted/hill") == 1
@@ -380,7 +404,7 @@ def test_progress_is_plain_where_no_terminal_looks(capsys):
 def test_the_installed_command_runs_a_study_and_its_report(tmp_path):
     """The whole thread once, with worker processes and the real report."""
     command = [sys.executable, "-m", "mpmverify", "run", "gehojerez-deck", "--jobs", "1", "--out", tmp_path / "r"]
-    environment = {name: value for name, value in os.environ.items() if name != "GITHUB_STEP_SUMMARY"}
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("GITHUB_")}
     done = subprocess.run([*command, "--courant", "0.5"], capture_output=True, text=True, check=False, env=environment)
     assert done.returncode == 1, done.stderr
     assert "Traceback" not in done.stderr

@@ -2,14 +2,27 @@
 
 import re
 from collections import Counter
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+import xmlschema
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmverify.gate import Finding, Verdict, worst
-from mpmverify.summary import MARKDOWN_ROWS, counts, junit, markdown, matrix, ranked
+from mpmverify.summary import (
+    ANNOTATIONS,
+    CELL,
+    MARKDOWN_ROWS,
+    STEP_SUMMARY,
+    annotations,
+    counts,
+    junit,
+    markdown,
+    matrix,
+    ranked,
+)
 
 LIGHT = settings(max_examples=30, deadline=None)
 TAGS = {Verdict.FAIL: "failure", Verdict.ERROR: "error", Verdict.INCONCLUSIVE: "skipped"}
@@ -66,7 +79,8 @@ def test_junit_is_well_formed_and_its_counts_are_those_of_its_test_cases(several
         cases = list(element.iter("testcase"))
         assert int(element.get("tests")) == len(cases)
         for attribute, tag in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
-            assert int(element.get(attribute)) == len(element.findall(f".//testcase/{tag}"))
+            if element is not root or tag != "skipped":
+                assert int(element.get(attribute)) == len(element.findall(f".//testcase/{tag}"))
         assert float(element.get("time")) == 0
     for suite in root:
         assert suite.get("name")
@@ -77,6 +91,44 @@ def test_junit_is_well_formed_and_its_counts_are_those_of_its_test_cases(several
     assert Counter(case[0].tag for case in root.iter("testcase") if len(case)) == Counter(
         TAGS[f.verdict] for f in several if f.verdict is not Verdict.PASS
     )
+
+
+SCHEMA = xmlschema.XMLSchema(Path(__file__).with_name("junit.xsd"))
+
+
+@LIGHT
+@given(st.lists(findings(), max_size=8))
+def test_junit_keeps_the_schema(several):
+    SCHEMA.validate(junit(several).decode())
+
+
+@pytest.mark.parametrize("verdict", Verdict)
+@pytest.mark.parametrize("text", ["", *NASTY, "::error::", "x" * 100_000])
+def test_junit_of_every_verdict_and_hostile_text_keeps_the_schema(verdict, text):
+    SCHEMA.validate(
+        junit([finding(verdict, text, text, text, case=text, refinement=text, criterion=text, source=text)]).decode()
+    )
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        (r"(</?)testsuites\b", r"\1testsuite"),
+        (r"(</?)failure\b", r"\1broken"),
+        (r'tests="1"', 'tests="one"'),
+        (r'failures="1"', ""),
+        (r'time="0"', 'time="-1"'),
+        (r"<testcase", '<testcase verdict="FAIL"'),
+        (r'name="mpmverify"', 'skipped="0"'),
+    ],
+)
+def test_the_schema_refuses_what_readers_of_junit_do(right, wrong):
+    """Otherwise what goes before would hold of any text; readers know no count of what is skipped in all the suites."""
+    text = junit([finding(Verdict.FAIL)]).decode()
+    assert SCHEMA.is_valid(text)
+    changed, times = re.subn(right, wrong, text)
+    assert times
+    assert not SCHEMA.is_valid(changed)
 
 
 @LIGHT
@@ -205,3 +257,100 @@ def test_nothing_judged_is_said_and_is_no_pass():
     assert counts([]) == "nothing judged"
     assert markdown([]).startswith("## mpmverify: INCONCLUSIVE\n\nnothing judged.\n")
     assert "PASS" not in markdown([])
+
+
+# Limits of hosts.
+
+
+def many(count=10_000, solvers=1):
+    """Return findings with long reasons, of which no letter is one byte."""
+    verdicts = [Verdict.INCONCLUSIVE, Verdict.PASS, Verdict.FAIL, Verdict.ERROR]
+    return [
+        finding(verdicts[k % 4], solver=f"Löser {k % solvers} {'ß' * 200}", reason=f"{k} " + "größer € 𝜎 " * 500)
+        for k in range(count)
+    ]
+
+
+@pytest.mark.parametrize("solvers", [1, 10_000])
+@pytest.mark.parametrize(
+    "there", [0, 1000, STEP_SUMMARY - 2000, STEP_SUMMARY - 100, STEP_SUMMARY - 10, STEP_SUMMARY, STEP_SUMMARY + 1]
+)
+def test_a_summary_keeps_to_the_bytes_that_are_left(solvers, there):
+    several = many(solvers=solvers)
+    text = markdown(several, STEP_SUMMARY - there)
+    assert not text or there + len(text.encode()) <= STEP_SUMMARY
+    if there <= STEP_SUMMARY - 100:
+        assert text.startswith("## mpmverify: ERROR\n\n2500 ERROR, 2500 FAIL, 2500 INCONCLUSIVE, 2500 PASS.\n")
+    if there <= STEP_SUMMARY - 2000:
+        shown = [line for line in text.split("\n") if line.startswith(("| ERROR", "| FAIL", "| INCONCLUSIVE"))]
+        assert f"and {7500 - len(shown)} more in verdicts.json." in text
+        assert all(line.startswith("| ERROR") for line in shown), "there are more errors than rows"
+        assert all(len(cell) <= CELL for line in shown for cell in cells(line))
+    if there <= 1000:
+        assert len(shown) == MARKDOWN_ROWS
+    if solvers > 1 and there <= 1000:
+        assert re.search(r"\nand \d+ more solvers\.\n$", text)
+
+
+@LIGHT
+@given(st.lists(findings(), max_size=8), st.integers(0, 3000))
+def test_whatever_the_room_what_is_shown_and_what_is_left_out_add_up(several, room):
+    text = markdown(several, room)
+    assert len(text.encode()) <= room
+    whole = markdown(several)
+    bad = ranked(several)
+    if len(whole.encode()) <= room:
+        assert text == whole
+    elif text and bad:
+        rows = [line for line in text.split("\n") if re.match(r"\| (ERROR|FAIL|INCONCLUSIVE) \|", line)]
+        left = re.search(r"\nand (\d+) more in verdicts\.json\.\n", text)
+        assert len(rows) + int(left[1]) == len(bad) if left else len(rows) in (0, len(bad))
+
+
+# Annotations.
+
+
+def read(command: str) -> tuple[str, dict[str, str], str]:
+    """Read a workflow command as the runner of GitHub does."""
+    kind, properties, message = re.fullmatch(r"::(\w+) (.*?)::(.*)", command).groups()
+
+    def plain(text):
+        for escape, letter in (("%0D", "\r"), ("%0A", "\n"), ("%3A", ":"), ("%2C", ","), ("%25", "%")):
+            text = text.replace(escape, letter)
+        return text
+
+    return kind, {k: plain(v) for k, v in (entry.split("=", 1) for entry in properties.split(","))}, plain(message)
+
+
+@LIGHT
+@given(st.lists(findings(), max_size=14))
+def test_annotations_are_the_worst_ten_and_are_read_back(several):
+    commands = annotations(several, Path("out") / "a,b: c%")
+    worst_ten = ranked(several)[:ANNOTATIONS]
+    assert len(commands) == len(worst_ten)
+    for command, f in zip(commands, worst_ten, strict=True):
+        assert len(command.splitlines()) == 1
+        assert command.isprintable() or not f"{f.case}{f.refinement}{f.criterion}{f.reason}".isprintable()
+        command.encode()
+        kind, properties, message = read(command)
+        assert kind == ("warning" if f.verdict is Verdict.INCONCLUSIVE else "error")
+        assert set(properties) == {"title", "file"}
+        assert properties["file"] == f"out/a,b: c%/{f.study}.nc"
+        assert properties["title"].startswith(f"{f.verdict}: {f.study} /")
+        assert len(properties["title"]) <= CELL
+        assert len(message) <= CELL
+
+
+def test_an_annotation_escapes_what_the_runner_reads():
+    nasty = finding(Verdict.FAIL, reason="50 % of a: b, c\r\n::error::x", case="a, b: c%0A")
+    (command,) = annotations([nasty, finding()], Path("results"))
+    assert command == (
+        "::error title=FAIL%3A bar / a%2C b%3A c%250A / tg (nu_C=0.5),file=results/bar.nc"
+        "::order of u: 50 %25 of a: b, c ::error::x"
+    )
+
+
+def test_a_long_reason_is_shortened_in_an_annotation():
+    (command,) = annotations([finding(Verdict.ERROR, reason="€" * 70_000)], Path("results"))
+    assert command.endswith("€...")
+    assert len(command.encode()) < 4096
