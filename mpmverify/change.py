@@ -21,7 +21,7 @@ class Direction(StrEnum):
 
 
 class Kind(StrEnum):
-    """What changed, in the order in which a person wants to know it."""
+    """What changed: the cause before what follows from it."""
 
     STUDY = "study"
     CASE = "case"
@@ -30,8 +30,8 @@ class Kind(StrEnum):
     LEVEL = "level"
     CRITERION = "criterion"
     NORM = "error norm"
-    VERDICT = "verdict"
     OUTCOME = "outcome"
+    VERDICT = "verdict"
     ORDER = "order"
     ERROR = "error"
     STEPS = "steps"

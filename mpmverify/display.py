@@ -3,6 +3,7 @@
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from types import TracebackType
 
 from rich.console import Console
@@ -27,8 +28,8 @@ COLOURS = {
     Direction.NEW: "cyan",
     Direction.BETTER: "bold green",
 }
-LISTED_CHANGES = 10
-"""Changes of each direction listed unless all are asked for."""
+LISTED_CHANGES = 5
+"""Changes of each direction and kind listed unless all are asked for."""
 
 
 class Progress:
@@ -88,7 +89,7 @@ def show_judgements(judgements: Mapping[str, Judgement]) -> None:
 
 
 def show_comparison(comparison: Comparison, *, explain: bool = False) -> None:
-    """Print where two results folders come from, and of each direction how many changes there are and the worst (with `explain`, all)."""
+    """Print where two results folders come from, and the worst changes of each direction and kind (with `explain`, all), and how many."""
     console = _console()
     for name, source in (("A", comparison.before), ("B", comparison.after)):
         commit, state, tier, versions = ("; ".join(source[key]) for key in ("commit", "commit_state", "tier", "versions"))
@@ -98,13 +99,13 @@ def show_comparison(comparison: Comparison, *, explain: bool = False) -> None:
         console.print(f"[yellow]Caution:[/] {escape(caution)}.", highlight=False)
     grouped = [(change, 1) for change in comparison.changes] if explain else comparison.grouped()
     table = Table("", "what", "where", "of which", "A", "B", "change")
-    for direction in Direction:
-        mine = [(change, count) for change, count in grouped if change.direction is direction]
+    for (direction, kind), group in groupby(grouped, lambda entry: (entry[0].direction, entry[0].kind)):
+        mine = list(group)
         listed = mine if explain else mine[:LISTED_CHANGES]
         for change, count in listed:
             table.add_row(f"[{COLOURS[direction]}]{direction.upper()}[/]", *map(escape, _cells(change, count)))
         if left := sum(count for _, count in mine[len(listed) :]):
-            table.add_row("", "", f"and {left} more: --explain shows all")
+            table.add_row("", kind, f"and {left} more: --explain shows all")
         table.add_section()
     if comparison.changes:
         console.print(table)

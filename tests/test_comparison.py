@@ -223,6 +223,26 @@ def test_the_worst_comes_first_and_no_number_that_is_none_is_better(a, b):
 
 
 @LIGHT
+@given(st.floats(1, 3), st.floats(0.001, 0.5), st.floats(1, 3), st.floats(0.001, 0.5), st.booleans(), st.booleans())
+def test_an_order_changes_where_intervals_lie_apart_over_the_same_levels_and_an_error_changed(p, by, q, about, alike, changed):
+    series, name = SeriesKey("s", "c", "x", "r"), "u L2"
+
+    def folder(order, width, error, levels):
+        runs = {(series, level): Run("completed", 1, 1, 1.0) for level in levels}
+        fit = Fitted(order, order - width, order + width, frozenset(levels))
+        return Tables({}, runs, {(series, "h=1", name): (error, 1.0)}, {(series, name): fit}, {})
+
+    before = folder(p, by, 0.1, ("h=1", "h=2"))
+    after = folder(q, about, 0.2 if changed else 0.1, ("h=1", "h=2") if alike else ("h=1", "h=2", "h=4"))
+    orders = [change for change in compare(before, after).changes if change.kind is Kind.ORDER]
+    apart = p + by < q - about or q + about < p - by
+    assert len(orders) == (apart and alike and changed)
+    for change in orders:
+        assert change.direction is (Direction.BETTER if q > p else Direction.WORSE)
+        assert change.size == pytest.approx(abs(p - q))
+
+
+@LIGHT
 @given(st.floats(0, 1), st.floats(0, 1), st.sampled_from([0.0, 1.0, 1e6]))
 def test_an_error_changes_by_the_rule_of_the_regression_gate(then, now, size):
     key = (SeriesKey("s", "c", "x", "r"), "h=1")
@@ -380,7 +400,7 @@ def test_two_folders_are_named_and_hold_results(two, tmp_path):
         assert part in result.stderr
 
 
-def test_the_list_is_cut_by_direction_and_says_so(capsys):
+def test_the_list_of_each_kind_is_cut_and_says_so(capsys):
     def folder(verdict):
         keys = [(SeriesKey("s[b]", "c", f"solver {k}", "r"), "verification: [/] order") for k in range(40)]
         runs = {(series, "h=1"): Run("completed", 1, 1, 1.0) for series, _ in keys}
