@@ -130,7 +130,8 @@ def _by(change: Change) -> str:
     if change.kind is Kind.ORDER:
         return f"{-change.size if change.direction is Direction.WORSE else change.size:+.3f}"
     if isinstance(change.before, int | float) and isinstance(change.after, int | float) and change.before:
-        return f"{100 * (change.after / change.before - 1):+.3g} %"
+        ratio = change.after / change.before
+        return f"x {ratio:.3g}" if ratio >= 10 else f"{100 * (ratio - 1):+.3g} %"
     return ""
 
 

@@ -400,6 +400,18 @@ def test_two_folders_are_named_and_hold_results(two, tmp_path):
         assert part in result.stderr
 
 
+@pytest.mark.parametrize(
+    ("factor", "shown"), [(1.02, "+2 %"), (0.5, "-50 %"), (9.99, "+899 %"), (10.0, "x 10"), (2e4, "x 2e+04"), (0.0, "-100 %")]
+)
+def test_the_size_of_a_change_has_a_sign(capsys, factor, shown):
+    def folder(error):
+        key = (SeriesKey("s", "c", "x", "r"), "h=1")
+        return Tables(past(), {key: Run("completed", 1, 1, 1.0)}, {(*key, "u L2"): (error, 1.0)}, {}, {})
+
+    display.show_comparison(compare(folder(0.1), folder(0.1 * factor)))
+    assert re.search(rf"│ {re.escape(shown)} *│", capsys.readouterr().out)
+
+
 def test_the_list_of_each_kind_is_cut_and_says_so(capsys):
     def folder(verdict):
         keys = [(SeriesKey("s[b]", "c", f"solver {k}", "r"), "verification: [/] order") for k in range(40)]
