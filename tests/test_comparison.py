@@ -255,6 +255,25 @@ def test_an_error_changes_by_the_rule_of_the_regression_gate(then, now, size):
     assert {change.direction for change in changes} <= {Direction.WORSE if now > then else Direction.BETTER}
 
 
+def with_error(error, size):
+    key = (SeriesKey("s", "c", "x", "r"), "h=1")
+    return Tables({}, {key: Run("completed", 1, 1, 1.0)}, {(*key, "u L2"): (error, size)}, {}, {})
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_an_error_that_is_not_finite_is_worse_than_any_that_is(bad):
+    there = compare(with_error(1e9, 1.0), with_error(bad, 1.0))
+    assert counts(there) == {("worse", "error"): 1}
+    assert there.exit_status == 1
+    assert counts(compare(with_error(bad, 1.0), with_error(1e9, 1.0))) == {("better", "error"): 1}
+    assert compare(with_error(bad, 1.0), with_error(math.nan, 1.0)).changes == ()
+
+
+def test_round_off_is_that_of_the_larger_exact_norm():
+    small, large = with_error(0.0, 1e-3), with_error(5e-8, 1e4)
+    assert compare(small, large).changes == compare(large, small).changes == ()
+
+
 @given(st.lists(st.floats(1, 100), min_size=1, max_size=9), st.floats(0.1, 10))
 def test_seconds_that_grow_alike_are_slower_beyond_the_ratio_alone(seconds, ratio):
     def timed(by):
