@@ -269,6 +269,12 @@ def test_an_error_that_is_not_finite_is_worse_than_any_that_is(bad):
     assert compare(with_error(bad, 1.0), with_error(math.nan, 1.0)).changes == ()
 
 
+def test_a_run_that_broke_off_is_not_faster():
+    key = (SeriesKey("s", "c", "x", "r"), "h=1")
+    before, after = (Tables({}, {key: of}, {}, {}, {}) for of in (Run("completed", 9, 9, 9.0), Run("unstable", 1, 1, 1.0)))
+    assert counts(compare(before, after)) == {("worse", "outcome"): 1}
+
+
 def test_round_off_is_that_of_the_larger_exact_norm():
     small, large = with_error(0.0, 1e-3), with_error(5e-8, 1e4)
     assert compare(small, large).changes == compare(large, small).changes == ()
