@@ -310,7 +310,7 @@ FAULTS = {
         "next(iter(self.entries.get(study, {}).get(solver, {}).values()), {})",
     ),
     "levels mixed up": Fault("baseline.py", 'yield f"h={h:.9g} nu_C', 'yield f"{k} nu_C'),
-    "better is worse": Fault("baseline.py", "elif now < then * (1 - RELATIVE) - noise:", "elif False:"),
+    "better is worse": Fault("baseline.py", "elif rose(now, then, size):", "elif False:"),
     "a loss of half passes": Fault("baseline.py", "RELATIVE = 0.01", "RELATIVE = 0.5"),
     "NaN compared": Fault("baseline.py", "if not np.all(np.isfinite([now, then, size])):", "if False:"),
 }  # fmt: skip
