@@ -1,11 +1,13 @@
 """Verdicts: what must hold of a series of runs, judged from stored numbers alone."""
 
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
 
+from mpmverify import axis as refined
 from mpmverify.convergence import Convergence, analyse
 from mpmverify.exact import VerificationProblem
 from mpmverify.norms import NORMS
@@ -39,15 +41,29 @@ class Evidence:
     reference: Mapping[str, Array] = field(default_factory=dict)
     metrics: Mapping[str, Array] = field(default_factory=dict)
 
+    @property
+    def axis(self) -> refined.Axis:
+        """What the levels refine."""
+        return refined.axis(self.h, self.dt, self.ppc)
+
+    @property
+    def sizes(self) -> Mapping[str, Array]:
+        """Every size that an error may vanish with, by its name (n,)."""
+        return refined.sizes(self.h, self.dt, self.ppc)
+
     def relative(self, quantity: str, norm: str) -> Array:
         """Error over the exact norm (n,); absolute where the exact field vanishes, NaN where its norm is not finite."""
         k = NORMS.index(norm)
         size = np.where(np.isfinite(self.reference[quantity][:, k]), self.reference[quantity][:, k], np.nan)
         return self.error[quantity][:, k] / np.where(size == 0, 1.0, size)
 
-    def convergence(self, quantity: str, norm: str, expected: tuple[float, float] | None = None) -> Convergence:
-        """Analyse one relative error over the levels in h."""
-        return analyse(self.h, self.relative(quantity, norm), expected=expected)
+    def convergence(self, quantity: str, norm: str, expected: tuple[float, float] | None = None) -> Convergence | None:
+        """Analyse one relative error over the size that the levels refine; None for a design, which has no single order."""
+        size = self.axis.size
+        if not size:
+            return None
+        series = analyse(self.sizes[size], self.relative(quantity, norm), expected=expected)
+        return replace(series, dropped=tuple(re.sub(r"^h=", f"{size}=", sentence) for sentence in series.dropped))
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,13 @@
 """Studies: a verification problem, solvers, refinements and criteria, declared as values."""
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
+import numpy as np
+
+from mpmverify.axis import Axis, axis
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.gate import Criterion
@@ -15,7 +19,7 @@ TIERS = ("quick", "full")
 
 @dataclass(frozen=True)
 class Refinement:
-    """A ladder of discretisations.
+    """A ladder of discretisations, or a design that varies several of h, dt and particles per cell independently.
 
     Parameters
     ----------
@@ -43,10 +47,16 @@ class Refinement:
     def tier(self, tier: str) -> tuple[Discretisation, ...]:
         return self.levels[: self.quick] if tier == "quick" else self.levels
 
+    @property
+    def axis(self) -> Axis:
+        """What the levels refine; a time step is as long as the Courant number allows."""
+        columns = np.array([(level.h, level.courant * level.h, level.ppc) for level in self.levels])
+        return axis(*columns.T)
+
     def with_courant(self, courant: float) -> "Refinement":
-        """Return the same ladder at another Courant number."""
-        levels = tuple(dataclasses.replace(level, courant=courant) for level in self.levels)
-        return Refinement(ladder_label(courant, levels[0].ppc), levels, self.quick)
+        """Return the same ladder at another Courant number; levels that become equal are one."""
+        levels = tuple(dict.fromkeys(dataclasses.replace(level, courant=courant) for level in self.levels))
+        return Refinement(ladder_label(courant, levels[0].ppc), levels, min(self.quick, len(levels)))
 
 
 def ladder_label(courant: float, ppc: int) -> str:
@@ -73,6 +83,38 @@ def halving(
     )
     label = ladder_label(courant, ppc) + (f", nu_C ~ h^{courant_power:g}" if courant_power else "")
     return Refinement(label, levels, quick)
+
+
+def in_time(length: float, cells: int, *, quick: int, full: int, courant: float, ppc: int = 1) -> Refinement:
+    """Ladder of `full` levels on `cells` cells of `length` that starts at a Courant number and halves dt."""
+    levels = tuple(Discretisation(length / cells, courant * 0.5**k, ppc) for k in range(full))
+    return Refinement(f"dt from {ladder_label(courant, ppc)}, {cells} cells", levels, quick)
+
+
+def in_particles(length: float, cells: int, *, courant: float, ppc: Sequence[int]) -> Refinement:
+    """Ladder in particles per cell on `cells` cells of `length`, all of it in both tiers."""
+    levels = tuple(Discretisation(length / cells, courant, count) for count in ppc)
+    return Refinement(f"ppc, {ladder_label(courant, 1)}, {cells} cells", levels, len(levels))
+
+
+def design(length: float, *, cells: Sequence[int], courant: Sequence[float], ppc: Sequence[int] = (1,)) -> Refinement:
+    """Every combination of cell size, time step and particles per cell, all of them in both tiers.
+
+    Parameters
+    ----------
+    cells : sequence of int
+        Cells on `length`.
+    courant : sequence of float
+        Courant numbers on the first number of cells, each of which stands for a time step that all cell sizes share.
+    ppc : sequence of int
+        Particles per cell.
+    """
+    levels = tuple(
+        Discretisation(length / count, number * count / cells[0], particles)
+        for count, number, particles in product(cells, courant, ppc)
+    )
+    counts = (("h", len(cells)), ("dt", len(courant)), ("ppc", len(ppc)))
+    return Refinement(" x ".join(f"{count} {size}" for size, count in counts if count > 1), levels, len(levels))
 
 
 @dataclass(frozen=True)

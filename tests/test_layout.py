@@ -23,7 +23,7 @@ LAYERS = (
     {"errors"},
     {"atomic", "problem", "verdict"},
     {"solution", "waves"},
-    {"exact", "norms", "convergence", "gate", "baseline", "criteria", "synthetic"},
+    {"exact", "norms", "convergence", "gate", "baseline", "criteria", "synthetic", "axis", "superposition", "separation"},
     {"study"},
     {"dataset"},
     {"evaluation", "pool", "runner", "summary", "display", "verification", "bench", "command", "judge", "change", "comparison"},

@@ -6,6 +6,7 @@ from typing import Any
 from mpmverify.criteria.errors import Exact, Order, Published, Stall
 from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDrift
 from mpmverify.criteria.modes import Amplification
+from mpmverify.criteria.sources import Separated
 from mpmverify.criteria.waves import AmplitudeDecay, Dispersion, FrontPosition, PhaseError
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "Order",
     "PhaseError",
     "Published",
+    "Separated",
     "Stall",
 ]
 
@@ -31,6 +33,7 @@ CRITERIA: Mapping[str, type[Any]] = {
         Stall,
         Exact,
         Published,
+        Separated,
         Balance,
         EnergyDrift,
         EnergyConserved,

@@ -27,7 +27,7 @@ class Order(OfErrors):
     ----------
     quantity, norm : str
     low, high : float
-        Accepted band of orders in h.
+        Accepted band of orders in what the levels refine.
     source : str
     """
 
@@ -42,7 +42,11 @@ class Order(OfErrors):
         return f"order of {self.quantity} in {self.norm} in [{self.low:g}, {self.high:g}]"
 
     def judge(self, evidence: Evidence) -> Judgement:
-        return judge_order(evidence.convergence(self.quantity, self.norm, (self.low, self.high)), self.low, self.high)
+        series = evidence.convergence(self.quantity, self.norm, (self.low, self.high))
+        if series is None:
+            return Verdict.INCONCLUSIVE, evidence.axis.note
+        verdict, reason = judge_order(series, self.low, self.high)
+        return verdict, f"{reason}; {evidence.axis.note}" if evidence.axis.note else reason
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,8 @@ class Stall(OfErrors):
 
     def judge(self, evidence: Evidence) -> Judgement:
         series = evidence.convergence(self.quantity, self.norm)
+        if series is None:
+            return Verdict.INCONCLUSIVE, evidence.axis.note
         last = series.pairwise[-2:]
         if series.classification is Classification.NON_FINITE:
             return Verdict.ERROR, "the error is not finite on at least one level"

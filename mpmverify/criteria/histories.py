@@ -105,6 +105,8 @@ class EnergyDrift:
             return Verdict.ERROR, "the energy drift is not finite, or negative, on at least one level"
         if np.all(drift <= DRIFT_ROUND_OFF):
             return Verdict.PASS, f"largest relative drift {drift.max():.1e}: round-off"
+        if len(np.unique(evidence.dt)) < len(drift):
+            return Verdict.INCONCLUSIVE, f"drift up to {drift.max():.1e}; an order in dt needs another dt on every level"
         verdict, reason = judge_order(analyse(evidence.dt, drift, round_off=DRIFT_ROUND_OFF), self.low, PLAUSIBLE)
         return verdict, f"drift {drift.min():.1e} at best, in dt: {reason}"
 
