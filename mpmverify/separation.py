@@ -168,7 +168,7 @@ def _end(centred: Mapping[str, Array], log_error: Array, fit: Sum, k: int, side:
     if not np.isfinite(spread):
         return side * np.inf
     worst = fit.squares * (1 + student(fit.freedom) ** 2 / fit.freedom) + LEAST
-    end, step = exponent + side * spread, 0.25 * spread
+    end, step = exponent + side * spread, max(0.25 * spread, 0.01)
     while 0 < end + side * step < 2 * EXPONENTS[1]:
         other = Model(centred, log_error, HELD | {name: end + side * step}).fit()
         if other.squares > worst:

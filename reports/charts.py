@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from mpmverify.axis import UNITS as AXIS_UNITS
+
 from .balances import Balance
-from .notation import NORM_NAMES, cell_size, in_unit, ladder, number, order
+from .notation import NORM_NAMES, cell_size, in_unit, ladder, number, order, unit
 from .record import Array, Estimate, Measure, Profile, Series
 from .styles import COLOURS, DASHES, Style
 
@@ -64,38 +66,54 @@ def key(measure: Measure) -> str:
 
 
 def convergence(series: Sequence[Series], looks: Sequence[Style], measures: Sequence[Measure]) -> Figure:
-    """Error against h of every series, quantity and norm of a case; the page shows one quantity and norm at a time.
+    """Error of every ladder against the size that it refines, in every quantity and norm; the page shows one of these at a time.
 
-    A trace's `meta` says which measure and which series it belongs to; reference slopes and accepted bands are `of` several.
+    A trace's `meta` says which measure and which series it belongs to; reference slopes and accepted bands are `of` several. There
+    is one abscissa for each size that a ladder of the case refines; they share the ordinate.
     """
-    sizes = sorted({level.h for entry in series for level in entry.levels})
-    data = [trace for measure in measures for trace in _references(series, measure)]
+    axes = list(dict.fromkeys(entry.axis for entry in series if entry.axis))
+    data = [trace for measure in measures for name in axes for trace in _references(series, measure, name, _abscissa(axes, name))]
     for k, (entry, look) in enumerate(zip(series, looks, strict=True)):
         for measure, estimate in entry.estimates.items():
-            data.append(_errors(k, entry, look, measure, estimate))
-    few = len(sizes) <= 10
-    ticks = {"tickvals": [sig(h) for h in sizes], "ticktext": [cell_size(h) for h in sizes]} if few else {}
+            if entry.axis:
+                data.append(_errors(k, entry, look, measure, estimate) | {"xaxis": _abscissa(axes, entry.axis)})
     titles = {key(measure): f"relative error of {measure[0]}, {NORM_NAMES.get(measure[1], measure[1])}" for measure in measures}
     shape = layout(
-        xaxis=axis("h [m]", type="log", **ticks),
         yaxis=axis(type="log", dtick=1),
         hovermode="closest",
     )
+    for name in axes:
+        shape[_abscissa(axes, name).replace("x", "xaxis")] = _sizes(series, axes, name)
     return {"data": data, "layout": shape, "titles": titles}
+
+
+def _abscissa(axes: Sequence[str], name: str) -> str:
+    """Name of plotly's axis for a size."""
+    return "x" if axes.index(name) == 0 else f"x{axes.index(name) + 1}"
+
+
+def _sizes(series: Sequence[Series], axes: Sequence[str], name: str) -> Figure:
+    """Abscissa of one size, beside those of the others."""
+    sizes = sorted({size for entry in series if entry.axis == name for size in entry.sizes if math.isfinite(size)})
+    few = len(sizes) <= 10
+    ticks = {"tickvals": [sig(size) for size in sizes], "ticktext": [cell_size(size) for size in sizes]} if few else {}
+    place, gap = axes.index(name), 0.04 if len(axes) > 1 else 0.0
+    domain = [(place + gap) / len(axes) if place else 0.0, (place + 1 - gap) / len(axes) if place + 1 < len(axes) else 1.0]
+    return axis(in_unit(name, AXIS_UNITS[name]), type="log", domain=domain, **ticks)
 
 
 def _errors(k: int, entry: Series, look: Style, measure: Measure, estimate: Estimate) -> Figure:
     name = f"{entry.solver}, {ladder(entry.refinement)}"
     notes = [
-        f"{name}<br>h = {cell_size(level.h)} m, error {number(error)}<br>order from the coarser level {order(pair)}"
+        f"{name}<br>{entry.axis} = {cell_size(size)} {unit(AXIS_UNITS[entry.axis])}, error {number(error)}<br>order from the coarser level {order(pair)}"
         + ("" if kept else "<br>not in the fit")
-        for level, error, pair, kept in zip(entry.levels, estimate.error, estimate.pairwise, estimate.kept, strict=True)
+        for size, error, pair, kept in zip(entry.sizes, estimate.error, estimate.pairwise, estimate.kept, strict=True)
     ]
     return {
         "type": "scatter",
         "mode": "lines+markers",
         "name": name,
-        "x": [sig(level.h) for level in entry.levels],
+        "x": [sig(size) for size in entry.sizes],
         "y": [sig(error) if error > 0 else None for error in estimate.error],
         "text": notes,
         "hovertemplate": "%{text}<extra></extra>",
@@ -110,15 +128,15 @@ def _errors(k: int, entry: Series, look: Style, measure: Measure, estimate: Esti
     }
 
 
-def _references(series: Sequence[Series], measure: Measure) -> Iterator[Figure]:
+def _references(series: Sequence[Series], measure: Measure, size: str, abscissa: str) -> Iterator[Figure]:
     """Accepted bands as wedges, formal orders as dashed lines where no band is declared; each starts below the errors it is of."""
     bands: dict[tuple[float, float], list[int]] = {}
     slopes: dict[float, list[int]] = {}
     for k, entry in enumerate(series):
-        if measure in entry.estimates:
+        if measure in entry.estimates and entry.axis == size:
             if measure in entry.bands:
                 bands.setdefault(entry.bands[measure], []).append(k)
-            elif measure[0] in entry.formal:
+            elif size == "h" and measure[0] in entry.formal:
                 slopes.setdefault(float(entry.formal[measure[0]]), []).append(k)
     for (low, high), of in sorted(bands.items()):
         start = _start([series[k] for k in of], measure)
@@ -135,6 +153,7 @@ def _references(series: Sequence[Series], measure: Measure) -> Iterator[Figure]:
                 "y": [sig(error), sig(error * (fine / coarse) ** low), sig(error * (fine / coarse) ** high)],
                 "fill": "toself",
                 "fillcolor": "var(--band)",
+                "xaxis": abscissa,
                 "meta": {"measure": key(measure), "of": of},
             }
     for slope, of in sorted(slopes.items()):
@@ -152,13 +171,14 @@ def _references(series: Sequence[Series], measure: Measure) -> Iterator[Figure]:
                 "textfont": {"color": MUTED, "size": 11},
                 "cliponaxis": False,
                 "line": {"color": MUTED, "dash": "dash", "width": 1},
+                "xaxis": abscissa,
                 "meta": {"measure": key(measure), "of": of},
             }
 
 
 def _start(series: Sequence[Series], measure: Measure) -> tuple[float, float, float] | None:
-    """Coarsest and finest h, and the error from which a reference starts; None where the errors leave nothing to refer to."""
-    sizes = [level.h for entry in series for level in entry.levels]
+    """Largest and least size, and the error from which a reference starts; None where the errors leave nothing to refer to."""
+    sizes = [size for entry in series for size in entry.sizes]
     coarsest = [float(entry.estimates[measure].error[0]) for entry in series]
     usable = [error for error in coarsest if math.isfinite(error) and error > 1e-10]
     if not usable or min(sizes) == max(sizes):

@@ -14,13 +14,17 @@ from mpmverify.errors import ResultsError
 
 LIBRARIES = ("jinja2", "latex2mathml", "plotly")
 SOURCES = (
+    "axis.py",
     "convergence/fits.py",
     "convergence/series.py",
+    "dataset/sources.py",
     "dataset/study.py",
     "dataset/verdicts.py",
     "gate.py",
     "norms.py",
+    "separation.py",
     "summary.py",
+    "superposition.py",
     "verdict.py",
 )
 """Modules of the core that a page depends on, beside the report itself."""

@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 
+from mpmverify.axis import UNITS
+
 from .charts import key
-from .notation import DASH, NORM_NAMES, cell_size, interval, ladder, number, order, unit
+from .notation import DASH, NORM_NAMES, cell_size, in_unit, interval, ladder, number, order, unit
 from .parts import ErrorCell, Fact, OrderRow, OrderTable
 from .record import Estimate, Level, Measure, Series
 
@@ -25,13 +27,20 @@ def leading(series: Sequence[Series], shown: str) -> Measure | None:
 
 
 def order_tables(series: Sequence[Series], shown: Measure | None) -> tuple[OrderTable, ...]:
-    """One table for each measure; the page shows one at a time."""
-    return tuple(_table(series, measure, measure == shown) for measure in measures(series))
+    """One table for each measure and size that ladders refine; the page shows those of one measure at a time."""
+    axes = dict.fromkeys(entry.axis for entry in series if entry.axis)
+    ladders = {name: [entry for entry in series if entry.axis == name] for name in axes}
+    return tuple(
+        _table(mine, name, measure, measure == shown)
+        for measure in measures(series)
+        for name, mine in ladders.items()
+        if measure in measures(mine)
+    )
 
 
-def _table(series: Sequence[Series], measure: Measure, shown: bool) -> OrderTable:
+def _table(series: Sequence[Series], axis: str, measure: Measure, shown: bool) -> OrderTable:
     quantity, norm = measure
-    sizes = sorted({level.h for entry in series for level in entry.levels}, reverse=True)
+    sizes = sorted({size for entry in series for size in entry.sizes}, reverse=True)
     rows = [_row(entry, measure, sizes) for entry in series if measure in entry.estimates or not entry.completed]
     dropped = [
         Fact(f"{entry.solver}, {ladder(entry.refinement)}", "; ".join(entry.estimates[measure].dropped))
@@ -39,20 +48,19 @@ def _table(series: Sequence[Series], measure: Measure, shown: bool) -> OrderTabl
         if measure in entry.estimates and entry.estimates[measure].dropped
     ]
     caption = f"Relative error of {quantity}, {NORM_NAMES.get(norm, norm)}; below it the observed order"
-    return OrderTable(
-        key(measure), caption, shown, tuple(Fact(cell_size(h), f"{h:g} m") for h in sizes), tuple(rows), tuple(dropped)
-    )
+    columns = tuple(Fact(cell_size(size), in_unit(f"{size:g}", UNITS[axis])) for size in sizes)
+    return OrderTable(key(measure), caption, shown, axis, columns, tuple(rows), tuple(dropped))
 
 
 def _row(entry: Series, measure: Measure, sizes: Sequence[float]) -> OrderRow:
     estimate = entry.estimates.get(measure)
-    cells = {level.h: _cell(k, level, estimate) for k, level in enumerate(entry.levels)}
+    cells = {size: _cell(k, level, estimate) for k, (size, level) in enumerate(zip(entry.sizes, entry.levels, strict=True))}
     band, formal = entry.bands.get(measure), entry.formal.get(measure[0])
     expected = interval(*band) if band else f"formally {formal:g}" if formal is not None else DASH
     return OrderRow(
         solver=entry.solver,
         ladder=ladder(entry.refinement),
-        cells=tuple(cells.get(h) for h in sizes),
+        cells=tuple(cells.get(size) for size in sizes),
         order=order(estimate.order) if estimate else DASH,
         interval=interval(estimate.low, estimate.high) if estimate else DASH,
         expected=expected,

@@ -2,15 +2,15 @@
 
 from dataclasses import dataclass
 
-from .parts import Curve, Fact, GateMark, Group, Link, Mark, Option, OrderTable, Origin, Row, RunRow, Scheme, Share
+from .parts import Curve, Fact, GateMark, Group, Link, Mark, Option, OrderTable, Origin, Row, RunRow, Scheme, Share, SourceRow
 
 
 @dataclass(frozen=True)
 class CaseSection:
     """A case on the page of its study.
 
-    `figures` is JSON for the script, safe within HTML; `charted` tells whether any error can be drawn against h, and
-    `dispersive` whether frequencies were measured.
+    `figures` is JSON for the script, safe within HTML; `charted` tells whether any error can be drawn against what its ladder
+    refines, and `dispersive` whether frequencies were measured; `maps` are the titles of the dominance maps.
     """
 
     anchor: str
@@ -28,6 +28,8 @@ class CaseSection:
     wave_quantities: tuple[Option, ...]
     thumbnail_quantity: str
     tables: tuple[OrderTable, ...]
+    source_rows: tuple[SourceRow, ...]
+    maps: tuple[str, ...]
     groups: tuple[Group, ...]
     sources: tuple[str, ...]
     runs: tuple[RunRow, ...]

@@ -163,14 +163,29 @@ class OrderRow:
 
 @dataclass(frozen=True)
 class OrderTable:
-    """Errors and orders of a case in one quantity and norm."""
+    """Errors and orders of a case in one quantity and norm; `axis` is the size that heads the columns."""
 
     key: str
     caption: str
     shown: bool
+    axis: str
     sizes: tuple[Fact, ...]
     rows: tuple[OrderRow, ...]
     dropped: tuple[Fact, ...]
+
+
+@dataclass(frozen=True)
+class SourceRow:
+    """One source of the error of one design in one quantity and norm."""
+
+    solver: str
+    ladder: str
+    error: str
+    size: str
+    exponent: str
+    interval: str
+    share: str
+    fit: str
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,10 @@ import netCDF4
 import numpy as np
 
 from mpmverify.dataset.files import SCHEMA, check_ours
+from mpmverify.dataset.sources import MEANING, source_of
 from mpmverify.errors import ResultsError
 from mpmverify.gate import Finding, Verdict
+from mpmverify.separation import Separation
 
 from .record import Array, Case, Estimate, Level, Measure, Profile, Record, Series
 
@@ -68,8 +70,10 @@ def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]
     for index, identity in enumerate(zip(column["case"].tolist(), column["refinement"].tolist(), strict=True)):
         members.setdefault(identity, []).append(index)
     fits = list(zip(column["series_case"].tolist(), column["series_refinement"].tolist(), strict=True))
+    axes = column["series_axis"].tolist()
+    separated = _separations(column)
     for identity, unsorted in members.items():
-        indices = np.array(unsorted)[np.argsort(-column["h"][unsorted], kind="stable")]
+        indices = np.array(unsorted)[np.lexsort([column["ppc"][unsorted], -column["dt"][unsorted], -column["h"][unsorted]])]
         names = [f.name for f in dataclasses.fields(Level)]
         levels = tuple(Level(*entry) for entry in zip(*(column[name][indices].tolist() for name in names), strict=True))
         history, history_units = histories.get(identity, ({}, {}))
@@ -78,12 +82,14 @@ def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]
             solver=solver,
             family=str(group.scheme).partition("(")[0],
             refinement=identity[1],
+            axis=axes[fits.index(identity)],
             formal=json.loads(group.orders),
             levels=levels,
             estimates=_estimates(column, units, fits.index(identity), indices),
             bands=bands.get(identity, {}),
             findings=tuple(judged.get(identity, ())),
             metrics=_metrics(column, indices),
+            separations=separated.get(identity, {}),
             profile=profiles.get(identity),
             histories=history,
             history_units=history_units,
@@ -142,6 +148,22 @@ def _bands(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[Measu
         if criterion["type"] == "Order":
             measure = criterion["quantity"], criterion["norm"]
             table.setdefault((case, refinement), {})[measure] = criterion["low"], criterion["high"]
+    return table
+
+
+def _separations(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[Measure, Separation]]:
+    """Sources of errors by series and measure."""
+    table: dict[tuple[str, str], dict[Measure, Separation]] = {}
+    names = ("case", "refinement", "quantity", "norm", "obstacle", "residual")
+    sizes = column["source"].tolist() if "source" in column else []
+    for k, row in enumerate(zip(*(column[f"separation_{name}"].tolist() for name in names if sizes), strict=True)):
+        case, refinement, quantity, norm, obstacle, residual = row
+        found = [source_of({name: float(column[f"source_{name}"][k, j]) for name in MEANING}, size) for j, size in enumerate(sizes)]
+        cosine = {
+            (sizes[i], sizes[j]): float(value) for (i, j), value in np.ndenumerate(column["source_cosine"][k]) if i < j and np.isfinite(value)
+        }
+        separation = Separation(tuple(source for source in found if source), cosine, residual, obstacle)
+        table.setdefault((case, refinement), {})[quantity, norm] = separation
     return table
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpmverify.gate import Finding
+from mpmverify.separation import Separation
 
 Array = NDArray[np.float64]
 Measure = tuple[str, str]
@@ -27,6 +28,10 @@ class Level:
     seconds: float
     outcome: str
     run: str
+
+    def size(self, name: str) -> float:
+        """Size that a series may refine, by its name: h [m], dt [s] or 1/ppc."""
+        return 1 / self.ppc if name == "1/ppc" else float(getattr(self, name))
 
 
 @dataclass(frozen=True)
@@ -68,21 +73,28 @@ class Profile:
 
 @dataclass(frozen=True)
 class Series:
-    """One solver on one ladder of one case."""
+    """One solver on one ladder of one case; `axis` is the size that it refines, "" for a design, which has no orders."""
 
     case: str
     solver: str
     family: str
     refinement: str
+    axis: str
     formal: Mapping[str, float]
     levels: tuple[Level, ...]
     estimates: Mapping[Measure, Estimate]
     bands: Mapping[Measure, tuple[float, float]]
     findings: tuple[Finding, ...]
     metrics: Mapping[str, Array] = field(default_factory=dict)
+    separations: Mapping[Measure, Separation] = field(default_factory=dict)
     profile: Profile | None = None
     histories: Mapping[str, Array] = field(default_factory=dict)
     history_units: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """Size of each level along the axis; none of a design."""
+        return tuple(level.size(self.axis) for level in self.levels) if self.axis else ()
 
     @property
     def completed(self) -> bool:

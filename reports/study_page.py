@@ -9,6 +9,7 @@ from mpmverify.gate import Finding, Verdict
 
 from . import charts, dispersion
 from .balances import balances
+from .dominance import maps, source_rows
 from .equations import mathml
 from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size
 from .orders import leading, measures, order_tables
@@ -77,11 +78,12 @@ def _section(
     runs: Set[str],
 ) -> CaseSection:
     findings = [finding for entry in series for finding in entry.findings]
-    shown = leading(series, case.shown)
+    shown = leading([entry for entry in series if entry.axis], case.shown)
     sources = list(dict.fromkeys(finding.source for finding in findings))
     units = {quantity: unit for entry in series if entry.profile for quantity, unit in entry.profile.units.items()}
     first = case.shown if case.shown in units else next(iter(units), "")
-    known = measures(series)
+    known = measures([entry for entry in series if entry.axis])
+    dominance = maps(series)
     return CaseSection(
         anchor=anchor,
         name=case.name,
@@ -98,11 +100,13 @@ def _section(
         wave_quantities=_options(list(units), first, {}),
         thumbnail_quantity=first,
         tables=order_tables(series, shown),
+        source_rows=source_rows(series),
+        maps=tuple(str(figure["title"]) for figure in dominance),
         groups=_groups(findings, places, sources),
         sources=tuple(sources),
         runs=tuple(row for entry in series for row in _runs(entry, runs)),
         cost=_cost(series),
-        figures=_figures(series, looks, known, units, outputs),
+        figures=_figures(series, looks, known, units, outputs, dominance),
     )
 
 
@@ -116,8 +120,9 @@ def _options(values: Sequence[str], selected: str | None, names: dict[str, str])
 
 
 def _charted(series: Sequence[Series]) -> bool:
-    levels = any(len(entry.levels) > 1 for entry in series)
-    return levels and any((estimate.error > 0).any() for entry in series for estimate in entry.estimates.values())
+    ladders = [entry for entry in series if entry.axis]
+    levels = any(len(entry.levels) > 1 for entry in ladders)
+    return levels and any((estimate.error > 0).any() for entry in ladders for estimate in entry.estimates.values())
 
 
 def _curves(series: Sequence[Series], looks: Sequence[Style], shown: Measure | None, quantity: str) -> tuple[Curve, ...]:
@@ -186,7 +191,12 @@ def _cost(series: Sequence[Series]) -> str:
 
 
 def _figures(
-    series: Sequence[Series], looks: Sequence[Style], known: Sequence[Measure], units: dict[str, str], outputs: int
+    series: Sequence[Series],
+    looks: Sequence[Style],
+    known: Sequence[Measure],
+    units: dict[str, str],
+    outputs: int,
+    dominance: list[charts.Figure],
 ) -> str:
     table = []
     for entry, look in zip(series, looks, strict=True):
@@ -204,6 +214,7 @@ def _figures(
     body = {
         "convergence": charts.convergence(series, looks, known),
         "dispersion": dispersion.figure(series, looks),
+        "dominance": dominance,
         "waves": charts.wave_figures(units),
         "history": charts.history_layout(),
         "series": table,

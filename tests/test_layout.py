@@ -238,7 +238,7 @@ def test_the_reference_shares_no_kernel_and_alone_imports_skfem():
 
 @pytest.mark.parametrize("module", of("reports"))
 def test_a_report_is_made_from_stored_results_alone(module):
-    assert core_imports(module) <= {"", "atomic", "errors", "dataset", "convergence", "gate", "summary"}
+    assert core_imports(module) <= {"", "atomic", "axis", "errors", "dataset", "convergence", "separation", "gate", "summary"}
     assert {part(name) for name in imports(module) if name in MODULES} <= {"mpmverify", "reports"}
 
 

@@ -9,7 +9,7 @@ import netCDF4
 
 from mpmverify.errors import ResultsError
 
-SCHEMA = 3
+SCHEMA = 4
 """Version of the layout of run and study files."""
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from mpmverify import baseline as regression
-from mpmverify.convergence import Convergence
 from mpmverify.criteria import CRITERIA, Stall
+from mpmverify.dataset.sources import with_sources
 from mpmverify.dataset.study import evidence, series_of, solvers, text
 from mpmverify.errors import UsageError
 from mpmverify.gate import Criterion, Finding, Verdict, judge
@@ -42,7 +42,7 @@ def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
                 judgements.append(("regression", regression.TITLE, judgement, baseline.source))
             for gate, title, (verdict, reason), source in judgements:
                 table.append(Finding(study, case, solver, refinement, gate, title, verdict, reason, source))
-        tree[solver].dataset = with_verdicts(with_fits(dataset), table)
+        tree[solver].dataset = with_verdicts(with_sources(with_fits(dataset), declared), table)
     return tree
 
 
@@ -67,16 +67,20 @@ def with_fits(dataset: xr.Dataset) -> xr.Dataset:
     words = {name: np.full(shape, "", dtype=object) for name in ("classification", "dropped")}
     pairwise = np.full(dataset["error"].shape, np.nan)
     kept = np.zeros(dataset["error"].shape, dtype=np.int8)
+    axes: list[str] = []
     for row, levels in enumerate(identities.values()):
         seen = evidence(dataset, levels)
+        axes.append(seen.axis.size)
         for k, quantity in enumerate(dataset["quantity"].values.tolist()):
             for n, norm in enumerate(NORMS):
                 if quantity not in seen.error:
                     continue
-                series: Convergence = seen.convergence(quantity, norm)
+                series = seen.convergence(quantity, norm)
+                if series is None:
+                    continue
                 words["classification"][row, k, n] = series.classification.value
                 words["dropped"][row, k, n] = "; ".join(series.dropped)
-                coarse_first = levels[np.argsort(-seen.h)]
+                coarse_first = levels[np.argsort(-seen.sizes[seen.axis.size])]
                 pairwise[coarse_first[1:], k, n] = series.pairwise
                 kept[coarse_first, k, n] = series.kept
                 if series.fit:
@@ -87,7 +91,7 @@ def with_fits(dataset: xr.Dataset) -> xr.Dataset:
                     numbers["floor"][row, k, n] = series.floor.floor
     dims = ("series", "quantity", "norm")
     meaning = {
-        "order": "fitted order in h",
+        "order": "fitted order in the size that the series refines",
         "order_low": "lower end of its 95 % interval",
         "order_high": "upper end of its 95 % interval",
         "floor": "relative error floor E0 where one shows",
@@ -106,6 +110,7 @@ def with_fits(dataset: xr.Dataset) -> xr.Dataset:
     ).assign_coords(
         series_case=("series", text([case for case, _ in identities])),
         series_refinement=("series", text([refinement for _, refinement in identities])),
+        series_axis=("series", text(axes), {"long_name": "size that the series refines; empty for a design"}),
     )
 
 

@@ -259,6 +259,7 @@ class Case {
     if (kind === "convergence") return this.convergence();
     if (kind === "dispersion") return this.dispersion();
     if (kind === "profile") return this.profile();
+    if (kind.startsWith("dominance-")) return this.figures.dominance[Number(kind.slice(10))];
     if (kind.startsWith("history-")) return this.history(Number(kind.slice(8)));
     return this.heat(kind);
   }
