@@ -181,8 +181,9 @@ def _rows(entry: Series, measure: Measure, separation: Separation) -> Iterator[S
     where = (entry.solver, ladder(entry.refinement), _error(measure))
     if not separation.sources:
         yield SourceRow(*where, DASH, DASH, DASH, DASH, separation.obstacle)
+    cosines = "".join(f", cos({one}, {other}) = {order(value)}" for (one, other), value in separation.cosine.items())
+    fit = separation.obstacle or f"off by {separation.residual:.1%}{cosines}"
     for source in separation.sources:
-        fit = separation.obstacle or f"off by {separation.residual:.1%}"
         if not source.seen:
             yield SourceRow(*where, source.size, "not seen", DASH, DASH, fit)
         else:
