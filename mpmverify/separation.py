@@ -112,12 +112,12 @@ def separate(sizes: Mapping[str, ArrayLike], error: ArrayLike) -> Separation:
         return Separation(obstacle="the error is not finite on at least one run")
     kept = error > ROUND_OFF
     logs = {name: np.log(size[kept]) for name, size in table.items()}
+    if obstacle := _obstacle(logs, int(kept.sum())):
+        return Separation(obstacle=obstacle)
     centred = {name: log - log.mean() for name, log in logs.items()}
     if len(table) == 1:
         centred[REST] = np.zeros(int(kept.sum()))
     model = Model(centred, np.log(error[kept]), HELD)
-    if obstacle := _obstacle(logs, int(kept.sum()), model.parameters):
-        return Separation(obstacle=obstacle)
     fit = model.fit()
     while len(centred) > 1 and (unseen := _unseen(centred, model.log_error, fit)):
         del centred[unseen]
@@ -135,13 +135,15 @@ def separate(sizes: Mapping[str, ArrayLike], error: ArrayLike) -> Separation:
     return Separation(tuple(known.get(name, Source(name)) for name in names), fit.cosine, fit.residual, obstacle)
 
 
-def _obstacle(logs: Mapping[str, Array], runs: int, parameters: int) -> str:
+def _obstacle(logs: Mapping[str, Array], runs: int) -> str:
     """Say why a design cannot tell the sources apart; "" when it can."""
     few = [name for name, log in logs.items() if len(np.unique(log.round(9))) < 3]
     if few:
         return f"an exponent needs three values of {few[0]} on runs above round-off"
     if np.linalg.eigvalsh(np.atleast_2d(np.corrcoef(list(logs.values())))).min() < INDEPENDENT:
         return f"{' and '.join(logs)} fall together: such runs measure the least of their exponents only"
+    sources = max(2, len(logs))
+    parameters = sources + len(logs) + sources * (sources - 1) // 2
     if runs < parameters + 2:
         return f"{runs} runs above round-off for {parameters} parameters: two more than parameters are needed"
     return ""

@@ -12,9 +12,10 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
-from mpmverify.convergence import CONFIDENCE
 from mpmverify.problem import Array
 
+CONFIDENCE = 0.99
+"""Of the intervals: several exponents are judged at once."""
 EXPONENTS = (0.2, 8.0)
 """Least and greatest exponent that is looked for."""
 GRID = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)

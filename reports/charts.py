@@ -72,7 +72,9 @@ def convergence(series: Sequence[Series], looks: Sequence[Style], measures: Sequ
     is one abscissa for each size that a ladder of the case refines; they share the ordinate.
     """
     axes = list(dict.fromkeys(entry.axis for entry in series if entry.axis))
-    data = [trace for measure in measures for name in axes for trace in _references(series, measure, name, _abscissa(axes, name))]
+    data = [
+        trace for measure in measures for name in axes for trace in _references(series, measure, name, _abscissa(axes, name))
+    ]
     for k, (entry, look) in enumerate(zip(series, looks, strict=True)):
         for measure, estimate in entry.estimates.items():
             if entry.axis:
@@ -105,7 +107,7 @@ def _sizes(series: Sequence[Series], axes: Sequence[str], name: str) -> Figure:
 def _errors(k: int, entry: Series, look: Style, measure: Measure, estimate: Estimate) -> Figure:
     name = f"{entry.solver}, {ladder(entry.refinement)}"
     notes = [
-        f"{name}<br>{entry.axis} = {cell_size(size)} {unit(AXIS_UNITS[entry.axis])}, error {number(error)}<br>order from the coarser level {order(pair)}"
+        f"{name}<br>{_value(entry.axis, size)}, error {number(error)}<br>order from the coarser level {order(pair)}"
         + ("" if kept else "<br>not in the fit")
         for size, error, pair, kept in zip(entry.sizes, estimate.error, estimate.pairwise, estimate.kept, strict=True)
     ]
@@ -126,6 +128,11 @@ def _errors(k: int, entry: Series, look: Style, measure: Measure, estimate: Esti
         },
         "meta": {"measure": key(measure), "series": k, "order": order(estimate.order)},
     }
+
+
+def _value(name: str, size: float) -> str:
+    """Return a size with its name and unit: "h = 1/64 m"."""
+    return f"{name} = {cell_size(size)} {unit(AXIS_UNITS[name])}".rstrip()
 
 
 def _references(series: Sequence[Series], measure: Measure, size: str, abscissa: str) -> Iterator[Figure]:

@@ -157,7 +157,10 @@ def _runs(entry: Series, measure: Measure, separation: Separation, plane: Plane)
         "marker": {
             "size": 11,
             "symbol": [MARKERS[name] for name in leading],
-            "color": [DIVERGING[-1 if name == plane.second else 0][1] if name in (plane.first, plane.second) else INK for name in leading],
+            "color": [
+                DIVERGING[-1 if name == plane.second else 0][1] if name in (plane.first, plane.second) else INK
+                for name in leading
+            ],
             "line": {"color": "#ffffff", "width": 1.5},
         },
     }

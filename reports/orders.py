@@ -55,7 +55,7 @@ def _table(series: Sequence[Series], axis: str, measure: Measure, shown: bool) -
 def _row(entry: Series, measure: Measure, sizes: Sequence[float]) -> OrderRow:
     estimate = entry.estimates.get(measure)
     cells = {size: _cell(k, level, estimate) for k, (size, level) in enumerate(zip(entry.sizes, entry.levels, strict=True))}
-    band, formal = entry.bands.get(measure), entry.formal.get(measure[0])
+    band, formal = entry.bands.get(measure), entry.formal.get(measure[0]) if entry.axis == "h" else None
     expected = interval(*band) if band else f"formally {formal:g}" if formal is not None else DASH
     return OrderRow(
         solver=entry.solver,

@@ -158,9 +158,13 @@ def _separations(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict
     sizes = column["source"].tolist() if "source" in column else []
     for k, row in enumerate(zip(*(column[f"separation_{name}"].tolist() for name in names if sizes), strict=True)):
         case, refinement, quantity, norm, obstacle, residual = row
-        found = [source_of({name: float(column[f"source_{name}"][k, j]) for name in MEANING}, size) for j, size in enumerate(sizes)]
+        found = [
+            source_of({name: float(column[f"source_{name}"][k, j]) for name in MEANING}, size) for j, size in enumerate(sizes)
+        ]
         cosine = {
-            (sizes[i], sizes[j]): float(value) for (i, j), value in np.ndenumerate(column["source_cosine"][k]) if i < j and np.isfinite(value)
+            (sizes[i], sizes[j]): float(value)
+            for (i, j), value in np.ndenumerate(column["source_cosine"][k])
+            if i < j and np.isfinite(value)
         }
         separation = Separation(tuple(source for source in found if source), cosine, residual, obstacle)
         table.setdefault((case, refinement), {})[quantity, norm] = separation

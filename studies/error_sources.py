@@ -37,7 +37,7 @@ def _series(solver: Solver, refinement: Refinement, *criteria: Separated) -> Ser
 
 
 P1 = design(LENGTH, cells=(32, 48, 96), courant=(2, 1, 0.5, 0.25))
-P2 = design(LENGTH, cells=(12, 18, 36), courant=(0.12, 0.06, 0.03, 0.015))
+P2 = design(LENGTH, cells=(24, 36, 72), courant=(0.08, 0.04, 0.02, 0.01))
 EXPLICIT = design(LENGTH, cells=(48, 72, 96, 144), courant=(0.32, 0.24, 0.16, 0.08))
 PARTICLES = design(LENGTH, cells=(24, 36, 72), courant=(0.5, 0.35, 0.25, 0.12), ppc=(2,))
 

@@ -19,7 +19,7 @@ from faulty_solvers import Scripted, ladder, plan, study, transported
 
 from mpmverify.atomic import write_atomic
 from mpmverify.baseline import Baseline
-from mpmverify.criteria import CRITERIA, Amplification, Balance, EnergyDrift, Exact, Order, Published, Stall
+from mpmverify.criteria import CRITERIA, Amplification, Balance, EnergyDrift, Exact, Order, Published, Separated, Stall
 from mpmverify.dataset.files import Results, check_ours
 from mpmverify.dataset.runs import read_run, write_run
 from mpmverify.dataset.study import build, read_study, solvers, write_study
@@ -415,6 +415,7 @@ CRITERION_OF_EACH_KIND = (
     Stall("u", "L1", 0.5, "s"),
     Exact("u", "L2-max", 1e-12, "s"),
     Published("u", "L2", ((1 / 8, 4.471e-3), (1 / 3, 0.1 + 0.2)), 3, "s"),
+    Separated("u", "L2", (("h", 1.8, 2.2), ("h/ppc", 1 / 3, 0.1 + 0.2)), "s"),
     Balance("mass", "", "s"),
     EnergyDrift(1.8, "s"),
     Amplification(3, 1e-12, "s"),

@@ -23,8 +23,10 @@ from mpmverify.criteria import (
     Order,
     PhaseError,
     Published,
+    Separated,
     Stall,
 )
+from mpmverify.errors import UsageError
 from mpmverify.exact import ExactSolution, VerificationProblem
 from mpmverify.exact.amplification import two_step_taylor_galerkin
 from mpmverify.gate import Evidence, Finding, Setting, Verdict, exit_status, judge, worst
@@ -41,6 +43,8 @@ DISPERSION = Dispersion("tg-lumped", "u", 2.0, 1e-10, "theory")
 PHASE = PhaseError("u", 2, 0.2, "theory", "tg-consistent-3", 72.0)  # at nu_C = 1/2 it is ahead by theta^2/24
 DECAY = AmplitudeDecay("u", 3, 0.2, "theory", "tg-lumped", 64.0)  # at nu_C = 1/2 it loses 3/64 nu_C theta^4 a step
 FRONT = FrontPosition("u", "tg-lumped", 0.1, "theory")
+SEPARATED = Separated("u", "L2", (("h", 1.8, 2.2), ("dt", 0.8, 1.2)), "theory")
+DESIGN_H, DESIGN_DT = (grid.ravel() for grid in np.meshgrid(H[:4], H[:4] / 2, indexing="ij"))
 METRICS = (
     "momentum_defect",
     "mass_defect",
@@ -62,6 +66,10 @@ def series(error, h=H, *, reference=1.0, outcomes=None, quantity="u", metrics=No
     columns = {"dt": h / 2, "courant": one / 2, "ppc": one.astype(int)} | columns
     outcomes = ("completed",) * len(h) if outcomes is None else outcomes
     return Evidence(h, outcomes=outcomes, error={quantity: table}, reference={quantity: size}, metrics=values, **columns)
+
+
+def over_design(error, **columns) -> Evidence:
+    return series(error, DESIGN_H, **({"dt": DESIGN_DT} | columns))
 
 
 def falling(*orders) -> Evidence:
@@ -123,6 +131,24 @@ EXAMPLES = [
     (PUBLISHED, series(3 * H[:2] ** 2, H[:2]), INCONCLUSIVE),
     (PUBLISHED, series(3 * H**2, H * 1.01), INCONCLUSIVE),
     (PUBLISHED, series(3 * H**2 * [1, 1, 1, 1, np.nan]), ERROR),
+    (ORDER, over_design(3 * DESIGN_H**2 + DESIGN_DT), INCONCLUSIVE),
+    (ORDER, series(3 * H**2, 0.1 * ONES, dt=H), PASS),
+    (ORDER, series(3 * H, 0.1 * ONES, dt=H), FAIL),
+    (ORDER, series(3.0 * 2.0 ** (-2 * np.arange(5)), 0.1 * ONES, dt=0.1 * ONES, ppc=2 ** np.arange(5)), PASS),
+    (ORDER, series(1e-3 + 3 * H**2, 0.1 * ONES, dt=H), FAIL),
+    (Stall("u", "L2", 0.5, "theory"), over_design(3 * DESIGN_H**2 + DESIGN_DT), INCONCLUSIVE),
+    (SEPARATED, over_design(3 * DESIGN_H**2 + DESIGN_DT), PASS),
+    (SEPARATED, over_design(np.sqrt(9 * DESIGN_H**4 + DESIGN_DT**2)), PASS),
+    (SEPARATED, over_design(3 * DESIGN_H**2 + 9 * DESIGN_DT**2), FAIL),
+    (SEPARATED, over_design(DESIGN_H + DESIGN_DT), FAIL),
+    (SEPARATED, over_design(3 * DESIGN_H), FAIL),
+    (SEPARATED, over_design(3 * DESIGN_H**2), INCONCLUSIVE),
+    (SEPARATED, over_design(3 * DESIGN_H**1.8 + DESIGN_DT**1.2), INCONCLUSIVE),
+    (SEPARATED, over_design(3 * DESIGN_H**2 * np.tile([1, 1.3], 8)), INCONCLUSIVE),
+    (SEPARATED, over_design(np.zeros(16)), INCONCLUSIVE),
+    (SEPARATED, series(3 * H**2), INCONCLUSIVE),
+    (SEPARATED, series([0.1], [0.1]), INCONCLUSIVE),
+    (SEPARATED, over_design(np.where(DESIGN_H < 0.02, np.nan, DESIGN_H**2)), ERROR),
     (Balance("momentum", "impulse", "theory"), measured(momentum_defect=1e-15 * ONES), PASS),
     (Balance("momentum", "impulse", "theory"), measured(momentum_defect=1e-11 * ONES), FAIL),
     (Balance("momentum", "impulse", "theory"), measured(momentum_defect=[0, 0, 0, 0, np.nan]), ERROR),
@@ -137,6 +163,7 @@ EXAMPLES = [
     (EnergyDrift(1.8, "theory"), measured(energy_drift=1e-2 * H**2 * [1, 1.4, 0.8, 1.5, 0.9]), INCONCLUSIVE),
     (EnergyDrift(1.8, "theory"), measured(energy_drift=[1e-3, 1e-4, 1e-13, 0, 0]), INCONCLUSIVE),
     (EnergyDrift(1.8, "theory"), measured(energy_drift=1e-2 * H**2 * [1, 1, 1, 1, 0]), INCONCLUSIVE),
+    (EnergyDrift(1.8, "theory"), series(H, metrics={"energy_drift": 1e-2 * H**2}, dt=0.1 * ONES), INCONCLUSIVE),
     (EnergyDrift(1.8, "theory"), measured(energy_drift=[1, 1, 1, np.inf, 1]), ERROR),
     (EnergyDrift(1.8, "theory"), measured(energy_drift=-1e-2 * ONES), ERROR),
     (EnergyDrift(1.8, "theory"), measured(), ERROR),
@@ -197,7 +224,7 @@ def test_criteria_survive_the_file_with_the_same_verdict(criterion, evidence, ex
 def test_every_criterion_has_an_example_of_every_verdict_that_it_can_give():
     given_ = {(type(criterion), expected) for criterion, _, expected in EXAMPLES}
     for kind in CRITERIA.values():
-        doubts = kind in (Order, Stall, Published, EnergyDrift, PhaseError, AmplitudeDecay)
+        doubts = kind in (Order, Stall, Published, Separated, EnergyDrift, PhaseError, AmplitudeDecay)
         assert {v for k, v in given_ if k is kind} == {PASS, FAIL, ERROR} | ({INCONCLUSIVE} if doubts else set())
 
 
@@ -381,6 +408,33 @@ def test_drift_is_judged_in_the_time_step_and_not_in_the_cell_size():
     evidence = series(H, dt=H**2, metrics={"energy_drift": 1e-2 * H**2})
     assert verdict(EnergyDrift(1.8, ""), evidence) is FAIL
     assert verdict(EnergyDrift(0.8, ""), evidence) is PASS
+
+
+@pytest.mark.parametrize(
+    ("columns", "note"),
+    [
+        ({}, "h and dt together: min(p, q)"),
+        ({"dt": H**1.5}, "h and dt together: min(p, 1.5 q)"),
+        ({"dt": 0.1 * ONES, "ppc": 2 ** np.arange(5)}, "h and 1/ppc together: the least of their orders"),
+        ({"dt": 0.1 * ONES}, ""),
+    ],
+)
+def test_the_reason_says_what_the_order_of_a_ladder_means(columns, note):
+    reason = judge(ORDER, series(3 * H**2, **columns))[1]
+    assert reason.endswith(note) if note else "together" not in reason
+
+
+def test_a_dropped_level_is_named_by_the_size_that_is_refined():
+    error = 3 * H**2 * [1, 1, 1, 1, 1e-12]
+    assert "without dt=0.0078125: at round-off" in judge(ORDER, series(error, 0.1 * ONES, dt=H))[1]
+
+
+@pytest.mark.parametrize(
+    "choices", [("u", "L1", (("h", 1, 2),), ""), ("u", "L2", (), ""), ("u", "L2", (("ppc", 1, 2),), "")]
+)
+def test_a_separation_that_makes_no_sense_is_refused(choices):
+    with pytest.raises(UsageError):
+        Separated(*choices)
 
 
 def test_published_errors_are_absolute():

@@ -15,8 +15,8 @@ NAMES = (*UNITS, REST)
 MEANING = {
     "amplitude": "relative error per unit of the size, in SI units, to the power of the exponent; 0 where the source is not seen",
     "exponent": "power of the size that the source falls with",
-    "low": "lower end of its 95 % interval",
-    "high": "upper end of its 95 % interval",
+    "low": "lower end of its 99 % interval",
+    "high": "upper end of its 99 % interval",
     "share": "largest part of the source in the sum of all, on any run; 0 where it is not seen",
 }
 

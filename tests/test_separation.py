@@ -1,0 +1,199 @@
+"""Sources of error: designs of known truth, with noise, missing terms, cancellation and what no design can tell apart."""
+
+from collections import Counter
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmverify.criteria import Separated
+from mpmverify.errors import UsageError
+from mpmverify.gate import Evidence, Verdict, judge
+from mpmverify.norms import NORMS
+from mpmverify.separation import REST, Separation, separate
+from mpmverify.superposition import Model
+
+LIGHT = settings(max_examples=20, deadline=None)
+HALVES = 0.5 ** np.arange(4)
+H, DT = (grid.ravel() for grid in np.meshgrid(HALVES, 0.5 * HALVES, indexing="ij"))
+EXPONENTS = st.sampled_from([1.0, 1.5, 2.0, 3.0, 4.0])
+COSINES = st.sampled_from([-1.0, -0.5, 0.0, 0.5, 1.0])
+
+
+def total(parts, cosine):
+    """Norm of the sum of fields of some norms (m, n) with cosines (m, m)."""
+    return np.sqrt(np.maximum(np.einsum("in,ij,jn->n", parts, cosine, parts), 1e-30))
+
+
+def pair(p, q, cosine=1.0, ratio=1.0):
+    """Error of h^p and dt^q, of the given ratio in the middle of the design."""
+    parts = np.array([H**p, DT**q])
+    parts[1] *= ratio * np.exp(np.mean(np.log(parts[0] / parts[1])))
+    return 0.1 * total(parts, np.array([[1, cosine], [cosine, 1]]))
+
+
+def by_size(separation: Separation):
+    return {source.size: source for source in separation.sources}
+
+
+@LIGHT
+@given(EXPONENTS, EXPONENTS, COSINES, st.floats(0.2, 5))
+def test_exponents_and_cosine_of_exact_errors_are_found(p, q, cosine, ratio):
+    found = separate({"h": H, "dt": DT}, pair(p, q, cosine, ratio))
+    assert found.obstacle == ""
+    assert by_size(found)["h"].exponent == pytest.approx(p, abs=1e-3)
+    assert by_size(found)["dt"].exponent == pytest.approx(q, abs=1e-3)
+    assert found.cosine["h", "dt"] == pytest.approx(cosine, abs=1e-2)
+
+
+@LIGHT
+@given(EXPONENTS, EXPONENTS, COSINES, st.floats(1e-3, 1e3), st.floats(1e-3, 1e3), st.randoms(use_true_random=False))
+def test_units_and_the_order_of_runs_do_not_matter_and_amplitudes_give_the_error_back(p, q, cosine, metre, second, shuffle):
+    runs = list(range(len(H)))
+    shuffle.shuffle(runs)
+    h, dt, error = (H * metre)[runs], (DT * second)[runs], pair(p, q, cosine)[runs]
+    found = separate({"dt": dt, "h": h}, error)
+    assert [source.size for source in found.sources] == ["dt", "h"]
+    sources = by_size(found)
+    assert sources["h"].exponent == pytest.approx(p, abs=1e-3)
+    parts = np.array([sources[name].amplitude * size ** sources[name].exponent for name, size in (("h", h), ("dt", dt))])
+    angle = found.cosine["dt", "h"]
+    assert np.all(np.abs(total(parts, np.array([[1, angle], [angle, 1]])) - error) < 1e-2 * parts.sum(axis=0))
+
+
+def test_three_sources_are_told_apart():
+    h, dt, ppc = (grid.ravel() for grid in np.meshgrid(HALVES[:3], HALVES[:3], [1, 2, 3], indexing="ij"))
+    found = separate({"h": h, "dt": dt, "1/ppc": 1 / ppc}, 0.02 * h**2 + 0.01 * dt**1.5 + 0.01 / ppc**3)
+    assert [round(source.exponent, 2) for source in found.sources] == [2.0, 1.5, 3.0]
+    assert found.cosine == pytest.approx(dict.fromkeys((("h", "dt"), ("h", "1/ppc"), ("dt", "1/ppc")), 1.0), abs=0.01)
+
+
+@pytest.mark.parametrize("cosine", [-1.0, 0.0, 1.0])
+def test_one_size_is_told_apart_from_what_stays(cosine):
+    dt = 0.5 ** np.arange(7.0)
+    found = separate({"dt": dt}, total(np.array([0.1 * dt**2, np.full(7, 1e-3)]), np.array([[1, cosine], [cosine, 1]])))
+    assert [source.size for source in found.sources] == ["dt", REST]
+    assert found.sources[0].exponent == pytest.approx(2, abs=1e-3)
+    assert found.sources[1].amplitude == pytest.approx(1e-3, rel=1e-2)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_a_source_that_is_not_there_is_not_seen_and_has_no_exponent(noise):
+    error = 0.1 * H**2 * np.exp(noise * np.random.default_rng(1).standard_normal(len(H)))
+    found = by_size(separate({"h": H, "dt": DT}, error))
+    assert found["h"].exponent == pytest.approx(2, abs=0.05)
+    assert not found["dt"].seen
+    assert np.isnan([found["dt"].exponent, found["dt"].low, found["dt"].high]).all()
+
+
+def test_a_source_below_the_noise_is_not_seen():
+    error = (0.1 * H**2 + 1e-3 * DT**2) * np.exp(0.02 * np.random.default_rng(2).standard_normal(len(H)))
+    assert not by_size(separate({"h": H, "dt": DT}, error))["dt"].seen
+
+
+OBSTACLES = [
+    ({"h": HALVES, "dt": HALVES / 3}, HALVES**2, "h and dt fall together"),
+    ({"h": H, "dt": H**1.5}, H**2, "h and dt fall together"),
+    ({"h": H[:6], "dt": DT[:6]}, H[:6] ** 2, "an exponent needs three values of h"),
+    ({"dt": HALVES}, HALVES**2, "4 runs above round-off for 4 parameters"),
+    ({"h": H, "dt": DT}, np.where(H < 0.5, 1e-15, H**2), "an exponent needs three values of h on runs above round-off"),
+    ({"h": H, "dt": DT}, np.where(H < 0.2, np.nan, H**2), "not finite"),
+    ({"h": H, "dt": DT}, np.where(H < 0.2, np.inf, H**2), "not finite"),
+    ({"h": H, "dt": DT}, np.zeros(len(H)), "an exponent needs three values"),
+    ({"h": H, "dt": DT}, H**2 * np.tile([1, 1.3], 8), "do not explain the errors"),
+    ({"h": H, "dt": DT}, np.exp(-3 * H) + DT**2, "do not explain the errors"),
+]
+
+
+@pytest.mark.parametrize(("sizes", "error", "obstacle"), OBSTACLES)
+def test_what_a_design_cannot_tell_apart_is_said(sizes, error, obstacle):
+    assert obstacle in separate(sizes, error).obstacle
+
+
+@pytest.mark.parametrize(
+    ("sizes", "error", "reason"),
+    [
+        ({}, [1.0], "same length"),
+        ({"h": [1.0, 0.5]}, [1.0], "same length"),
+        ({"h": [1.0, 0.0]}, [1.0, 1.0], "positive and finite"),
+        ({"h": [1.0, np.nan]}, [1.0, 1.0], "positive and finite"),
+        ({"h": [1.0, 0.5]}, [1.0, -1.0], "negative"),
+    ],
+)
+def test_misuse_is_refused(sizes, error, reason):
+    with pytest.raises(UsageError, match=reason):
+        separate(sizes, error)
+
+
+def test_the_jacobian_is_the_derivative_of_the_residuals():
+    logs = {"h": np.log(H) - np.log(H).mean(), "dt": np.log(DT) - np.log(DT).mean(), REST: np.zeros(len(H))}
+    model = Model(logs, np.log(pair(2, 2)), {REST: 0.0})
+    x = np.array([-3.0, -2.5, -4.0, 2.2, 1.4, 0.3, -0.6, 0.8])
+    assert len(x) == model.parameters
+    steps = 1e-6 * np.eye(len(x))
+    slopes = np.array([(model.residuals(x + step) - model.residuals(x - step)) / 2e-6 for step in steps]).T
+    np.testing.assert_allclose(model.jacobian(x), slopes, atol=1e-8)
+
+
+# Random designs of known truth, judged by bands that hold it or do not.
+
+
+def evidence(h, dt, ppc, error) -> Evidence:
+    table = np.repeat(np.asarray(error)[:, None], len(NORMS), axis=1)
+    return Evidence(h, dt, dt / h, ppc, ("completed",) * len(h), {"u": table}, {"u": np.ones_like(table)})
+
+
+def random_design(generator):
+    """Sizes by name, their exponents and the errors, of two or three sources or of one beside what stays."""
+    kind = generator.choice(["h dt", "dt", "h dt 1/ppc"], p=[0.7, 0.2, 0.1])
+    counts = {"h dt": (*generator.integers(3, 6, 2), 1), "dt": (1, generator.integers(6, 9), 1), "h dt 1/ppc": (3, 3, 3)}[kind]
+    columns = (0.5 ** np.arange(counts[0]), generator.choice([0.5, 0.7]) ** np.arange(counts[1]), 1 + np.arange(counts[2]))
+    h, dt, ppc = np.array(list(product(*columns)), dtype=float).T
+    names = kind.split()
+    exponent = {name: generator.choice([1.0, 1.5, 2.0, 3.0, 4.0]) for name in names}
+    sizes = {"h": h, "dt": dt, "1/ppc": 1 / ppc}
+    parts = [sizes[name] ** exponent[name] for name in names] + ([np.ones(len(h))] if kind == "dt" else [])
+    parts = np.array([part / np.exp(np.log(part).mean()) * 10 ** generator.uniform(-1.5, 1.5) for part in parts])
+    missing = generator.random() < 0.15
+    if missing:
+        parts[0] = 0
+        exponent[names[0]] = np.nan
+    # Fields that add, at any angle, that cancel.
+    angles = generator.choice([0, 1, 2])
+    fields = generator.standard_normal((len(parts), len(parts))) if angles == 1 else np.ones((len(parts), 1))
+    fields = fields * (generator.choice([-1, 1], (len(parts), 1)) if angles == 2 else 1)
+    fields = fields / np.linalg.norm(fields, axis=1, keepdims=True)
+    error = total(parts, fields @ fields.T) * np.exp(
+        generator.choice([0, 0.002, 0.01, 0.02]) * generator.standard_normal(len(h))
+    )
+    error = np.maximum(error / error.max(), 1e-5) if missing else error / error.max()
+    return exponent, evidence(h, dt, ppc, error * 10 ** generator.uniform(-6, 0))
+
+
+def tally(count, seed) -> Counter:
+    """(whether all bands hold the truth, verdict) of random designs."""
+    generator = np.random.default_rng(seed)
+    verdicts: Counter = Counter()
+    for _ in range(count):
+        exponent, seen = random_design(generator)
+        shift = generator.choice([0, 0, 0.3, -0.3, 1, -1])
+        off = generator.choice(list(exponent))
+        bands = []
+        for name, power in exponent.items():
+            half = generator.uniform(0.1, 0.25)
+            centre = (2.0 if np.isnan(power) else power) + (np.sign(shift) * (abs(shift) + half) if name == off else 0)
+            bands.append((name, centre - half, centre + half))
+        right = shift == 0 and not np.isnan(list(exponent.values())).any()
+        verdicts[right, judge(Separated("u", "L2", tuple(bands), ""), seen)[0]] += 1
+    return verdicts
+
+
+def test_of_many_random_designs_hardly_one_gets_a_wrong_verdict():
+    verdicts = tally(100, seed=1)
+    right = sum(count for (holds, _), count in verdicts.items() if holds)
+    assert verdicts[False, Verdict.PASS] == 0
+    assert verdicts[True, Verdict.FAIL] <= 0.02 * right
+    assert verdicts[True, Verdict.PASS] > 0.6 * right
+    assert verdicts[False, Verdict.FAIL] > 0.5 * (100 - right)
