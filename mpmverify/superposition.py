@@ -20,6 +20,8 @@ EXPONENTS = (0.2, 8.0)
 """Least and greatest exponent that is looked for."""
 GRID = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
 """Exponents from which a fit may start."""
+LARGEST = 50.0
+"""Log of the largest ratio of a source to the error: two that cancel may be large, but not beyond what floats hold."""
 STARTS = 4
 NEGLIGIBLE = 1e-6
 """Part of the error, squared, with which a source starts that the linear problem would have negative."""
@@ -103,9 +105,13 @@ class Model:
 
     def fit(self) -> Sum:
         """Best of the fits from several starts."""
-        bounds = np.array([(-np.inf, np.inf)] * self.m + [EXPONENTS] * self.f + [(-1.0, 1.0)] * len(self.first)).T
+        size = float(np.mean(self.log_error))
+        amplitudes = [(size - LARGEST, size + LARGEST)] * self.m
+        bounds = np.array(amplitudes + [EXPONENTS] * self.f + [(-1.0, 1.0)] * len(self.first)).T
         exact = {"xtol": 1e-10, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
-        fits = [least_squares(self.residuals, x, self.jacobian, bounds=bounds, **exact) for x in self._starts()]
+        fits = [
+            least_squares(self.residuals, x, self.jacobian, bounds=bounds, **exact) for x in np.clip(self._starts(), *bounds)
+        ]
         best = min(fits, key=lambda found: float(found.cost))
         x, freedom, squares = best.x, len(self.log_error) - self.parameters, 2 * float(best.cost)
         # What has come to a bound is not varied; the interval of an exponent there is not known.

@@ -429,9 +429,7 @@ def test_a_dropped_level_is_named_by_the_size_that_is_refined():
     assert "without dt=0.0078125: at round-off" in judge(ORDER, series(error, 0.1 * ONES, dt=H))[1]
 
 
-@pytest.mark.parametrize(
-    "choices", [("u", "L1", (("h", 1, 2),), ""), ("u", "L2", (), ""), ("u", "L2", (("ppc", 1, 2),), "")]
-)
+@pytest.mark.parametrize("choices", [("u", "L1", (("h", 1, 2),), ""), ("u", "L2", (), ""), ("u", "L2", (("ppc", 1, 2),), "")])
 def test_a_separation_that_makes_no_sense_is_refused(choices):
     with pytest.raises(UsageError):
         Separated(*choices)
