@@ -103,14 +103,15 @@ class Model:
         by_log_a = own / square
         return np.concatenate([by_log_a, (by_log_a * self.log_sizes)[self.free], product / square]).T
 
-    def fit(self) -> Sum:
+    def fit(self, starts: int = STARTS) -> Sum:
         """Best of the fits from several starts."""
         size = float(np.mean(self.log_error))
         amplitudes = [(size - LARGEST, size + LARGEST)] * self.m
         bounds = np.array(amplitudes + [EXPONENTS] * self.f + [(-1.0, 1.0)] * len(self.first)).T
         exact = {"xtol": 1e-10, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
         fits = [
-            least_squares(self.residuals, x, self.jacobian, bounds=bounds, **exact) for x in np.clip(self._starts(), *bounds)
+            least_squares(self.residuals, x, self.jacobian, bounds=bounds, **exact)
+            for x in np.clip(self._starts()[:starts], *bounds)
         ]
         best = min(fits, key=lambda found: float(found.cost))
         x, freedom, squares = best.x, len(self.log_error) - self.parameters, 2 * float(best.cost)
