@@ -24,7 +24,7 @@ SIGNIFICANCE = 1e-3
 """Probability at and above which it may be noise that a source improves the fit."""
 MISFIT = 0.03
 """Root mean square of log(E/fit) above which the sources do not explain the errors."""
-LEAST = 1e-24
+EXACT = 1e-24
 """Sum of squares of relative deviations at which a fit is exact to round-off."""
 INDEPENDENT = 0.1
 """Least eigenvalue of the correlation of the log sizes; at zero, one of them follows from the others."""
@@ -99,8 +99,9 @@ def separate(sizes: Mapping[str, ArrayLike], error: ArrayLike) -> Separation:
     Notes
     -----
     Source j has an error field of norm a_j s_j^p_j; fields add as vectors, with cosines that the design does not change. Log E
-    is fitted by least squares, exponents have the interval of the linearised fit by Student's t. A source without which the fit
-    is as good (F test), or which has less than a twentieth of the error on every run, is not seen and has no exponent.
+    is fitted by least squares. Exponents have the 99 % interval of the linearised fit by Student's t, as far beyond it as another
+    fit is as good. A source without which the fit is as good (F test), or which has less than a twentieth of the error on every
+    run, is not seen and has no exponent.
     """
     table = {name: np.asarray(size, dtype=float) for name, size in sizes.items()}
     error = np.asarray(error, dtype=float)
@@ -164,7 +165,7 @@ def _unseen(centred: Mapping[str, Array], log_error: Array, fit: Sum) -> str:
         name = tuple(centred)[k]
         without = Model({other: size for other, size in centred.items() if other != name}, log_error, HELD).fit()
         spared = without.freedom - fit.freedom
-        gain = max(without.squares - fit.squares, 0.0) / spared / max(fit.squares / fit.freedom, LEAST)
+        gain = max(without.squares - fit.squares, 0.0) / spared / max(fit.squares / fit.freedom, EXACT)
         if fit.share[k] < SEEN or fdtrc(spared, fit.freedom, gain) >= SIGNIFICANCE:
             return name
     return ""
@@ -178,7 +179,7 @@ def _end(centred: Mapping[str, Array], log_error: Array, fit: Sum, k: int, side:
     name, exponent, spread = tuple(centred)[k], float(fit.exponent[k]), float(fit.spread[k])
     if not np.isfinite(spread):
         return side * np.inf
-    worst = fit.squares * (1 + student(fit.freedom) ** 2 / fit.freedom) + LEAST
+    worst = fit.squares * (1 + student(fit.freedom) ** 2 / fit.freedom) + EXACT
     end, step = exponent + side * spread, max(0.25 * spread, 0.01)
     while 0 < end + side * step < 2 * EXPONENTS[1]:
         other = Model(centred, log_error, HELD | {name: end + side * step}).fit(starts=2)
