@@ -51,7 +51,9 @@ class Baseline:
     def judge(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> Judgement:
         """Compare the errors of one series with the accepted ones: worse fails, better asks to be accepted."""
         bad = [
-            f"h={h:g}: {outcome}" for h, outcome in zip(evidence.h, evidence.outcomes, strict=True) if outcome != "completed"
+            f"{name}: {outcome}"
+            for name, outcome in zip(evidence.names, evidence.outcomes, strict=True)
+            if outcome != "completed"
         ]
         if bad:
             return Verdict.ERROR, "; ".join(bad)

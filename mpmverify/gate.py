@@ -47,6 +47,13 @@ class Evidence:
         return refined.axis(self.h, self.dt, self.ppc)
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Each level by its cell size, and by its Courant number and particles per cell where several share that."""
+        if len(np.unique(self.h)) == len(self.h):
+            return tuple(f"h={h:g}" for h in self.h)
+        return tuple(f"h={h:g} nu_C={c:g} ppc={ppc}" for h, c, ppc in zip(self.h, self.courant, self.ppc, strict=True))
+
+    @property
     def sizes(self) -> Mapping[str, Array]:
         """Every size that an error may vanish with, by its name (n,)."""
         return refined.sizes(self.h, self.dt, self.ppc)
@@ -127,9 +134,11 @@ class Finding:
 
 def judge(criterion: Criterion, evidence: Evidence) -> Judgement:
     """Judge one criterion; a run that did not complete is an ERROR with its outcome, before any number is looked at."""
-    failed = [(h, outcome) for h, outcome in zip(evidence.h, evidence.outcomes, strict=True) if outcome != "completed"]
+    failed = [
+        (name, outcome) for name, outcome in zip(evidence.names, evidence.outcomes, strict=True) if outcome != "completed"
+    ]
     if failed:
-        return Verdict.ERROR, "; ".join(f"h={h:g}: {outcome}" for h, outcome in failed)
+        return Verdict.ERROR, "; ".join(f"{name}: {outcome}" for name, outcome in failed)
     if not evidence.outcomes:
         return Verdict.ERROR, "no level was run"
     try:

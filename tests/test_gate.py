@@ -424,6 +424,12 @@ def test_the_reason_says_what_the_order_of_a_ladder_means(columns, note):
     assert reason.endswith(note) if note else "together" not in reason
 
 
+def test_a_failed_run_of_a_design_is_named_by_more_than_its_cell_size():
+    outcomes = ("completed",) * 15 + ("unstable",)
+    assert judge(SEPARATED, over_design(DESIGN_H, outcomes=outcomes)) == (ERROR, "h=0.015625 nu_C=0.5 ppc=1: unstable")
+    assert judge(ORDER, series(3 * H, outcomes=("completed",) * 4 + ("unstable",))) == (ERROR, "h=0.0078125: unstable")
+
+
 def test_a_dropped_level_is_named_by_the_size_that_is_refined():
     error = 3 * H**2 * [1, 1, 1, 1, 1e-12]
     assert "without dt=0.0078125: at round-off" in judge(ORDER, series(error, 0.1 * ONES, dt=H))[1]
