@@ -155,7 +155,7 @@ class Model:
         products = np.linalg.pinv(columns.transpose(0, 2, 1), rcond=1e-8) @ np.ones(len(self.log_error))
         log_a = 0.5 * np.log(np.maximum(products[:, : self.m], NEGLIGIBLE / np.max(part**2, axis=2)))
         cosine = products[:, self.m :] / np.exp(log_a[:, self.first] + log_a[:, self.second])
-        starts = np.concatenate([log_a, grid, np.clip(cosine, -0.99, 0.99)], axis=1)
+        starts = np.concatenate([log_a, grid, np.clip(cosine, -0.999999, 0.999999)], axis=1)
         cost = [np.sum(self.residuals(x) ** 2) for x in starts]
         best: Array = starts[np.argsort(cost, kind="stable")[:STARTS]]
         return best
