@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mpmverify.axis import Axis, axis, sizes
@@ -30,7 +30,6 @@ KINDS = [
 ]
 
 
-@settings(deadline=None)
 @given(st.sampled_from(KINDS), st.permutations(range(4)))
 def test_the_kind_of_refinement(kind, shuffled):
     *columns, varied, size = kind

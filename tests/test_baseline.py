@@ -15,7 +15,7 @@ from mpmverify.errors import ResultsError
 from mpmverify.gate import Evidence, Verdict, judge
 from mpmverify.norms import NORMS
 
-LIGHT = settings(max_examples=25, deadline=None)
+LIGHT = settings(max_examples=25)
 H = 0.5 ** np.arange(3.0, 7.0)
 SERIES = ("bar", "tg", "step", "nu_C=0.5")
 ACCEPTED = {"date": "2026-01-02", "commit": "abc", "reason": "first"}

@@ -28,7 +28,7 @@ from mpmverify.problem import Discretisation, Problem
 from mpmverify.runner import run
 from mpmverify.solution import Solution
 
-LIGHT = settings(max_examples=60, deadline=None)
+LIGHT = settings(max_examples=60)
 LEVELS = 3
 
 

@@ -97,7 +97,7 @@ def exactly(value):
     return tuple(map(exactly, value)) if isinstance(value, tuple) else (type(value), repr(value))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(values, values)
 def test_keys_are_equal_exactly_when_values_are(one, other):
     assert (digest(one) == digest(other)) == (exactly(one) == exactly(other))

@@ -13,7 +13,7 @@ from mpmverify.convergence import ROUND_OFF, Classification, analyse, fit_floor,
 from mpmverify.errors import UsageError
 from mpmverify.verdict import Verdict
 
-LIGHT = settings(max_examples=25, deadline=None)
+LIGHT = settings(max_examples=25)
 HALVED = 2.0 ** -np.arange(8)
 
 

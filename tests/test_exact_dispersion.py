@@ -15,7 +15,7 @@ from skfem.models.poisson import laplace, mass
 
 from mpmverify.exact.dispersion import RELATIONS, front_lag, leading_errors, linear_elements
 
-LIGHT = settings(max_examples=10, deadline=None)
+LIGHT = settings(max_examples=10)
 CELLS = 14
 SCHEMES = [scheme for scheme in RELATIONS if "-ul-" not in scheme]
 SPLINES = {

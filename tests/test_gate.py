@@ -34,7 +34,7 @@ from mpmverify.norms import NORMS
 from mpmverify.problem import Discretisation, LinearElastic, Periodic, Problem, Traction, Transport
 from mpmverify.solution import Solution, Work
 
-LIGHT = settings(max_examples=25, deadline=None)
+LIGHT = settings(max_examples=25)
 H = 0.5 ** np.arange(3.0, 8.0)
 PASS, INCONCLUSIVE, FAIL, ERROR = Verdict.PASS, Verdict.INCONCLUSIVE, Verdict.FAIL, Verdict.ERROR
 ORDER = Order("u", "L2", 1.8, 2.2, "theory")
@@ -269,7 +269,7 @@ def test_what_is_not_a_number_never_passes_and_without_it_all_would(what, criter
 ANY_ERROR = st.one_of(st.floats(0, 1e6), st.sampled_from([0.0, 1e-15, 1e-12, 1e-3, 1.0, math.inf, math.nan]))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(ANY_ERROR, min_size=1, max_size=6), st.floats(0.3, 4), st.floats(0.05, 0.5))
 def test_a_pass_stands_on_three_levels_that_converge(error, centre, half_width):
     evidence = series(error, 0.5 ** np.arange(len(error)))

@@ -40,7 +40,7 @@ def least_jacobian(nodes: Array) -> float:
     return float(np.min(np.roll(edges, 1, axis=0)[:, 0] * edges[:, 1] - np.roll(edges, 1, axis=0)[:, 1] * edges[:, 0]))
 
 
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 @given(convex_quadrilaterals(), st.lists(st.tuples(UNIT, UNIT), min_size=1, max_size=8))
 def test_round_trip_in_any_convex_quadrilateral(nodes: Array, local: list[tuple[float, float]]) -> None:
     xi = np.array(local)
@@ -139,7 +139,7 @@ def test_the_search_agrees_with_looking_everywhere(seed: int) -> None:
     np.testing.assert_allclose(again, points[held], atol=1e-14)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.integers(0, 10**6), st.integers(1, 7), st.floats(0, 0.24))
 def test_no_guess_changes_the_answer(seed: int, cells: int, distortion: float) -> None:
     coordinates, connectivity = mesh(cells, seed, distortion)

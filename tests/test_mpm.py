@@ -142,7 +142,7 @@ ends = st.sampled_from(
 )
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=120)
 @given(
     st.sampled_from(VARIANTS),
     velocities,

@@ -12,7 +12,7 @@ from mpmverify.norms import NORMS, errors, l1, l2, linf, norms
 from mpmverify.solution import Solution, Work
 
 L1, L2, LINF, L2_MAX = (NORMS.index(name) for name in ("L1", "L2", "Linf", "L2-max"))
-LIGHT = settings(max_examples=25, deadline=None)
+LIGHT = settings(max_examples=25)
 SIZES = st.tuples(st.integers(1, 4), st.integers(1, 6), st.integers(1, 3))
 VALUES = st.floats(-1e6, 1e6).map(lambda value: round(value, 6))
 

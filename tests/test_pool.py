@@ -145,11 +145,11 @@ def test_an_interrupt_ends_the_workers_and_keeps_what_is_finished(tmp_path):
     listed = subprocess.run(["ps", "-s", str(process.pid), "-o", "pid="], capture_output=True, text=True, check=True)
     assert len(listed.stdout.split()) >= 3, "the parent and its workers"
     os.killpg(process.pid, signal.SIGINT)
-    _, errors = process.communicate(timeout=30)
+    _, errors = process.communicate(timeout=300)
     assert process.returncode != 0
     assert "KeyboardInterrupt" in errors
     assert errors.count("Traceback") == 1, "the workers are silent"
-    deadline = time.monotonic() + 10  # the tracker of multiprocessing ends a moment after its parent
+    deadline = time.monotonic() + 300  # the tracker of multiprocessing ends a moment after its parent
     while subprocess.run(["ps", "-s", str(process.pid), "-o", "pid="], capture_output=True, check=False).stdout.strip():
         assert time.monotonic() < deadline, "a process was left"
         time.sleep(0.05)

@@ -25,7 +25,7 @@ from mpmverify.problem import Discretisation
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.verdict import Verdict
 
-LIGHT = settings(max_examples=60, deadline=None)
+LIGHT = settings(max_examples=60)
 RATIOS = st.lists(st.floats(1.2, 4), min_size=2, max_size=5)
 ORDERS = st.floats(0.3, 5)
 H = 0.1 * 0.5 ** np.arange(5.0)

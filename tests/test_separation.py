@@ -15,7 +15,7 @@ from mpmverify.norms import NORMS
 from mpmverify.separation import REST, Separation, separate
 from mpmverify.superposition import Model
 
-LIGHT = settings(max_examples=20, deadline=None)
+LIGHT = settings(max_examples=20)
 HALVES = 0.5 ** np.arange(4)
 H, DT = (grid.ravel() for grid in np.meshgrid(HALVES, 0.5 * HALVES, indexing="ij"))
 EXPONENTS = st.sampled_from([1.0, 1.5, 2.0, 3.0, 4.0])

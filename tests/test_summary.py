@@ -24,7 +24,7 @@ from mpmverify.summary import (
     ranked,
 )
 
-LIGHT = settings(max_examples=30, deadline=None)
+LIGHT = settings(max_examples=30)
 TAGS = {Verdict.FAIL: "failure", Verdict.ERROR: "error", Verdict.INCONCLUSIVE: "skipped"}
 NASTY = [
     "<script>",

@@ -18,7 +18,7 @@ from mpmverify.gate import Setting
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Solution, Work
 
-LIGHT = settings(max_examples=25, deadline=None)
+LIGHT = settings(max_examples=25)
 CELLS = 200
 PHASE, DECAY = PhaseError("u", 2, 0.2, "", "tg-lumped", 1.0), AmplitudeDecay("u", 3, 0.2, "", "tg-lumped", 1.0)
 FRONT = FrontPosition("u", "tg-lumped", 0.1, "")

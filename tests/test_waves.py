@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mpmverify.waves import amplitude, delay_and_gain, front, jump, modal_history, step_factor
 
-LIGHT = settings(max_examples=60, deadline=None)
+LIGHT = settings(max_examples=60)
 
 
 def scattered(seed, count=400):
