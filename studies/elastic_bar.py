@@ -11,7 +11,8 @@ from mpmverify.study import Case, Refinement, Series, Study, halving
 from . import variants as v
 
 QUADRATIC = MaterialPoint("MUSL", degree=2)
-"""Undamped, it oscillates at the loaded end by more than half of a jump: its samples cross the middle of a front elsewhere too."""
+"""The step sets off a mode of the clamped end functions that a conserving schedule keeps for ever and USL damps away. Its samples cross the
+middle of a front at the loaded end too."""
 MPM = (
     MaterialPoint("USF"),
     MaterialPoint("USL"),

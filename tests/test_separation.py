@@ -1,19 +1,14 @@
 """Sources of error: designs of known truth, with noise, missing terms, cancellation and what no design can tell apart."""
 
-from collections import Counter
-from itertools import product
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpmverify.criteria import Separated
 from mpmverify.errors import UsageError
-from mpmverify.gate import Evidence, Verdict, judge
-from mpmverify.norms import NORMS
 from mpmverify.separation import REST, Separation, separate
 from mpmverify.superposition import Model
+from mpmverify.synthetic import measure_designs
 
 LIGHT = settings(max_examples=20)
 HALVES = 0.5 ** np.arange(4)
@@ -140,60 +135,10 @@ def test_the_jacobian_is_the_derivative_of_the_residuals():
 # Random designs of known truth, judged by bands that hold it or do not.
 
 
-def evidence(h, dt, ppc, error) -> Evidence:
-    table = np.repeat(np.asarray(error)[:, None], len(NORMS), axis=1)
-    return Evidence(h, dt, dt / h, ppc, ("completed",) * len(h), {"u": table}, {"u": np.ones_like(table)})
-
-
-def random_design(generator):
-    """Sizes by name, their exponents and the errors, of two or three sources or of one beside what stays."""
-    kind = generator.choice(["h dt", "dt", "h dt 1/ppc"], p=[0.7, 0.2, 0.1])
-    counts = {"h dt": (*generator.integers(3, 6, 2), 1), "dt": (1, generator.integers(6, 9), 1), "h dt 1/ppc": (3, 3, 3)}[kind]
-    columns = (0.5 ** np.arange(counts[0]), generator.choice([0.5, 0.7]) ** np.arange(counts[1]), 1 + np.arange(counts[2]))
-    h, dt, ppc = np.array(list(product(*columns)), dtype=float).T
-    names = kind.split()
-    exponent = {name: generator.choice([1.0, 1.5, 2.0, 3.0, 4.0]) for name in names}
-    sizes = {"h": h, "dt": dt, "1/ppc": 1 / ppc}
-    parts = [sizes[name] ** exponent[name] for name in names] + ([np.ones(len(h))] if kind == "dt" else [])
-    parts = np.array([part / np.exp(np.log(part).mean()) * 10 ** generator.uniform(-1.5, 1.5) for part in parts])
-    missing = generator.random() < 0.15
-    if missing:
-        parts[0] = 0
-        exponent[names[0]] = np.nan
-    # Fields that add, at any angle, that cancel.
-    angles = generator.choice([0, 1, 2])
-    fields = generator.standard_normal((len(parts), len(parts))) if angles == 1 else np.ones((len(parts), 1))
-    fields = fields * (generator.choice([-1, 1], (len(parts), 1)) if angles == 2 else 1)
-    fields = fields / np.linalg.norm(fields, axis=1, keepdims=True)
-    error = total(parts, fields @ fields.T) * np.exp(
-        generator.choice([0, 0.002, 0.01, 0.02]) * generator.standard_normal(len(h))
-    )
-    error = np.maximum(error / error.max(), 1e-5) if missing else error / error.max()
-    return exponent, evidence(h, dt, ppc, error * 10 ** generator.uniform(-6, 0))
-
-
-def tally(count, seed) -> Counter:
-    """(whether all bands hold the truth, verdict) of random designs."""
-    generator = np.random.default_rng(seed)
-    verdicts: Counter = Counter()
-    for _ in range(count):
-        exponent, seen = random_design(generator)
-        shift = generator.choice([0, 0, 0.3, -0.3, 1, -1])
-        off = generator.choice(list(exponent))
-        bands = []
-        for name, power in exponent.items():
-            half = generator.uniform(0.1, 0.25)
-            centre = (2.0 if np.isnan(power) else power) + (np.sign(shift) * (abs(shift) + half) if name == off else 0)
-            bands.append((name, centre - half, centre + half))
-        right = shift == 0 and not np.isnan(list(exponent.values())).any()
-        verdicts[right, judge(Separated("u", "L2", tuple(bands), ""), seen)[0]] += 1
-    return verdicts
-
-
 def test_of_many_random_designs_hardly_one_gets_a_wrong_verdict():
-    verdicts = tally(100, seed=1)
-    right = sum(count for (holds, _), count in verdicts.items() if holds)
-    assert verdicts[False, Verdict.PASS] == 0
-    assert verdicts[True, Verdict.FAIL] <= 0.02 * right
-    assert verdicts[True, Verdict.PASS] > 0.6 * right
-    assert verdicts[False, Verdict.FAIL] > 0.5 * (100 - right)
+    inside, outside = measure_designs(100, seed=1)
+    assert min(inside.series, outside.series) > 20
+    assert outside.wrong_pass == 0
+    assert inside.wrong_fail <= 0.02 * inside.series
+    assert inside.right > 0.6 * inside.series
+    assert outside.right > 0.5 * outside.series

@@ -4,6 +4,7 @@ import click
 from rich.console import Console
 from rich.table import Table
 
+from mpmverify.synthetic.designs import measure_designs
 from mpmverify.synthetic.kinds import Truth
 from mpmverify.synthetic.rates import Rate, measure, measure_limits, total
 
@@ -13,7 +14,7 @@ COLUMNS = ("right", "inconclusive", "wrong_pass", "wrong_fail")
 def table(title: str, rates: list[Rate]) -> Table:
     """Return the rates as a table, in percent of the series of each kind."""
     shown = Table("kind", "truth", "series", *(name.replace("_", " ") for name in COLUMNS), title=title)
-    for row in rates:
+    for row in (row for row in rates if row.series):
         shown.add_row(
             row.kind, row.truth, str(row.series), *(f"{100 * getattr(row, name) / row.series:.3g} %" for name in COLUMNS)
         )
@@ -28,6 +29,7 @@ def main(count: int, seed: int) -> None:
     rates = measure(count, seed)
     console = Console(width=110)
     console.print(table("Verdicts on series of known truth", [*rates, *(total(rates, truth) for truth in Truth), total(rates)]))
+    console.print(table("Sources of error told apart, on designs of known truth", measure_designs(max(1, count // 90), seed)))
     console.print(table("At the limits of what can be seen", measure_limits(max(1, count // 4), seed)))
 
 

@@ -1,7 +1,7 @@
 """How often the judge is right, undecided and wrong, by kind of series."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -54,9 +54,14 @@ def rate(name: str, kind: Kind, count: int, seed: Sequence[int]) -> Rate:
     for _ in range(count):
         drawn = specimen(kind, generator)
         found[verdict(drawn.h, drawn.error, band=(drawn.low, drawn.high), uncertainty=kind.uncertainty)[0]] += 1
-    right = found.pop(RIGHT[kind.truth], 0)
-    undecided, passed = found.pop(Verdict.INCONCLUSIVE, 0), found.pop(Verdict.PASS, 0)
-    return Rate(name, kind.truth, count, right, undecided, passed, sum(found.values()))
+    return counted(name, kind.truth, found)
+
+
+def counted(name: str, truth: Truth, found: Mapping[Verdict, int]) -> Rate:
+    """Rate of the verdicts that were found on series of one truth."""
+    rest = Counter(found)
+    right, undecided, passed = (rest.pop(verdict, 0) for verdict in (RIGHT[truth], Verdict.INCONCLUSIVE, Verdict.PASS))
+    return Rate(name, truth, sum(found.values()), right, undecided, passed, rest.total())
 
 
 def measure(count: int = 20_000, seed: int = 0) -> list[Rate]:
