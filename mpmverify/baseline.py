@@ -130,7 +130,9 @@ def levels(evidence: Evidence) -> Iterator[tuple[str, Mapping[str, float]]]:
             for quantity, table in evidence.error.items()
             for n, norm in enumerate(NORMS)
         }
-        yield f"h={h:.9g} nu_C={courant:.9g} ppc={ppc}", values
+        moved = "" if evidence.jitter is None or not evidence.jitter[k] else f" jitter={evidence.jitter[k]:.9g}"
+        seeded = f" seed={evidence.seed[k]}" if moved and evidence.seed is not None else ""
+        yield f"h={h:.9g} nu_C={courant:.9g} ppc={ppc}{moved}{seeded}", values
 
 
 def read_baseline(path: Path) -> Baseline:

@@ -213,6 +213,41 @@ def compare(before: Path, after: Path, explain: bool) -> None:
     sys.exit(compared.exit_status)
 
 
+@cli.command(epilog="Exit status: 0 every fault was caught or is explained and nothing passed wrongly, 1 otherwise, 2 usage.")
+@out_option
+@baseline_option
+@click.option("--jobs", type=click.IntRange(min=1), help="Faults at a time  [default: one a processor]")
+@click.option(
+    "--tier",
+    type=click.Choice(["quick", "full"]),
+    default="quick",
+    show_default=True,
+    help="The named faults alone, or those by rule, too.",
+)
+@click.option("--explain", is_flag=True, help="Print what killed every fault.")
+def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, explain: bool) -> None:
+    """Plant faults in the shipped solvers and see that the studies catch them; and that they pass the unmodified ones.
+
+    What is known of a fault is kept: an interrupted self-test goes on where it was.
+    """
+    from mpmverify import solvers, studies
+    from mpmverify.baseline import read_baseline
+    from mpmverify.dataset.files import Results
+    from mpmverify.dataset.selftest import write_selftest
+    from mpmverify.display import Progress, show_selftest
+    from mpmverify.selftest.session import Session
+
+    results, accepted = Results(out), read_baseline(baseline or _shipped_baseline())
+    results.create()
+    sources = Path(solvers.__file__).parent
+    with Progress() as progress:
+        test = Session(results, studies.get, sources, accepted, tier, jobs or _processors()).run(progress.update)
+    write_selftest(results.selftest, test)
+    show_selftest(test, explain=explain)
+    click.echo(f"Report: {_render(results)}")
+    sys.exit(0 if test.passed else 1)
+
+
 @cli.group(cls=Group)
 def baseline() -> None:
     """Manage the baseline of the regression gate."""

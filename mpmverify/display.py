@@ -14,6 +14,7 @@ from rich.table import Table
 
 from mpmverify.change import Change, Direction, Kind
 from mpmverify.comparison import Comparison
+from mpmverify.dataset.kill_table import Fate, SelfTest
 from mpmverify.gate import Finding, Judgement, Verdict
 from mpmverify.summary import counts, matrix, ranked
 
@@ -57,6 +58,37 @@ class Progress:
             self._bars.update(self._tasks[study], completed=done)
         elif done == total:
             print(f"{study}: {total} runs", file=sys.stderr)
+
+
+def show_selftest(test: SelfTest, *, explain: bool = False) -> None:
+    """Print the kill table, then every survivor and every false alarm (with `explain`, every fault)."""
+    console = _console()
+    table = Table("rule", "planted", *Fate)
+    rows = test.table()
+    for rule, fates in rows.items():
+        table.add_row(rule, *(str(count) for count in (sum(fates.values()), *fates.values())))
+    totals = [sum(fates[fate] for fates in rows.values()) for fate in Fate]
+    table.add_row("all", *(f"[bold]{count}[/]" for count in (sum(totals), *totals)))
+    console.print(table)
+    for fault in test.faults:
+        if explain or fault.fate in (Fate.SURVIVED, Fate.NOT_EXERCISED):
+            said = f"{fault.verdict} {fault.study}/{fault.case}/{fault.solver}: {fault.criterion}: " if fault.verdict else ""
+            reason = fault.explanation or f"{said}{fault.reason}" or f"results differ by {fault.deviation:.1e} of their size"
+            place = f"{fault.id} {fault.name} ({fault.file}:{fault.line})"
+            console.print(f"[bold]{fault.fate.value}[/]", escape(f"{place}: {reason}"), highlight=False)
+    for run in test.alarms:
+        where = f"{run.jobs} processes, {run.threads} threads, jitter {run.jitter:g}, seed {run.seed}"
+        console.print("[bold red]false alarm[/]", escape(f"{where}: {run.reason}"), highlight=False)
+    console.print(
+        f"{len(test.faults)} faults of {test.sites} by rule and by name, {len(test.unexplained)} unexplained survivors; "
+        f"{len(test.runs)} unmodified runs, {len(test.alarms)} false alarms.",
+        highlight=False,
+    )
+
+
+def _console() -> Console:
+    console = Console()
+    return console if console.is_terminal else Console(width=140)
 
 
 def show(findings: Sequence[Finding], *, explain: bool = False) -> None:

@@ -145,7 +145,7 @@ def _plain(text: str) -> str:
 def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:
     at = task.discretisation
     identity = (task.case, task.solver.name, task.refinement, at.h, at.courant, at.ppc, task.key)
-    return Level(*identity, outcome=str(outcome), **measured)
+    return Level(*identity, jitter=at.jitter, seed=at.seed, outcome=str(outcome), **measured)
 
 
 def _compare(task: Task, solution: Solution) -> Level:

@@ -30,6 +30,8 @@ class Evidence:
         Norms of the error and of the exact field by quantity, (n, norms) in the order of `norms.NORMS`.
     metrics : mapping of str to Array
         Whatever the criteria measured on the solutions, (n,) by name.
+    jitter, seed : Array, optional
+        Of the particles, (n,); None where all stand at their places.
     """
 
     h: Array
@@ -40,6 +42,8 @@ class Evidence:
     error: Mapping[str, Array] = field(default_factory=dict)
     reference: Mapping[str, Array] = field(default_factory=dict)
     metrics: Mapping[str, Array] = field(default_factory=dict)
+    jitter: Array | None = None
+    seed: Array | None = None
 
     @property
     def axis(self) -> refined.Axis:

@@ -84,7 +84,7 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
         self.process: BaseProcess = context.Process(target=_serve, args=(theirs,), daemon=True)
-        with _no_interrupt():
+        with no_interrupt():
             self.process.start()
         theirs.close()
 
@@ -125,7 +125,7 @@ class _Worker:
 
 
 @contextlib.contextmanager
-def _no_interrupt() -> Iterator[None]:
+def no_interrupt() -> Iterator[None]:
     """Hold back an interrupt from the keyboard, which a process that starts meanwhile never sees: its parent ends it."""
     if not hasattr(signal, "pthread_sigmask"):
         yield

@@ -223,16 +223,23 @@ class Discretisation:
         Courant number nu_C = c dt/h, an upper bound: the time step divides the final time.
     ppc : int
         Particles per cell and dimension; grid-based solvers ignore it.
+    jitter : float
+        Largest displacement of a particle from its place, as a share of the spacing of particles, below 1/2 so that none
+        leaves its cell; grid-based solvers ignore it. Volumes stay: the quadrature is off by what the particles are.
+    seed : int
+        Of the displacements, which are uniform and independent: `numpy.random.default_rng(seed)`.
 
     Raises
     ------
     UsageError
-        If a value is not positive and finite.
+        If a value is not positive and finite, the jitter is not in [0, 1/2), or a seed is given without jitter.
     """
 
     h: float
     courant: float
     ppc: int = 1
+    jitter: float = 0.0
+    seed: int = 0
 
     def __post_init__(self) -> None:
         for name, value in (("cell size", self.h), ("Courant number", self.courant)):
@@ -240,6 +247,10 @@ class Discretisation:
                 raise UsageError(f"the {name} must be positive and finite, not {value!r}")
         if self.ppc < 1:
             raise UsageError(f"the number of particles per cell must be at least 1, not {self.ppc!r}")
+        if not 0 <= self.jitter < 0.5:
+            raise UsageError(f"the jitter of the particles is a share of their spacing in [0, 0.5), not {self.jitter!r}")
+        if self.seed < 0 or (self.seed and not self.jitter):
+            raise UsageError(f"a seed is not negative and needs a jitter: give one beside the seed {self.seed!r}")
 
     def cells(self, problem: Problem) -> tuple[int, ...]:
         """Number of cells along each side of the problem's box."""

@@ -58,6 +58,11 @@ class Refinement:
         levels = tuple(dict.fromkeys(dataclasses.replace(level, courant=courant) for level in self.levels))
         return Refinement(ladder_label(courant, levels[0].ppc), levels, min(self.quick, len(levels)))
 
+    def with_jitter(self, jitter: float, seed: int) -> "Refinement":
+        """Return the same ladder with the particles moved from their places."""
+        levels = tuple(dataclasses.replace(level, jitter=jitter, seed=seed) for level in self.levels)
+        return Refinement(f"{self.label}, jitter {jitter:g}, seed {seed}", levels, self.quick)
+
 
 def ladder_label(courant: float, ppc: int) -> str:
     return f"nu_C={courant:g}" + (f", {ppc} ppc" if ppc > 1 else "")

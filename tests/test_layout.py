@@ -27,6 +27,7 @@ LAYERS = (
     {"study"},
     {"dataset"},
     {"evaluation", "pool", "runner", "summary", "display", "verification", "bench", "command", "judge", "change", "comparison"},
+    {"selftest"},
     {"cli", "pytest_plugin"},
     {"__main__"},
 )

@@ -30,6 +30,10 @@ class Results:
         return self.path / "verdicts.json"
 
     @property
+    def selftest(self) -> Path:
+        return self.path / "selftest" / "selftest.nc"
+
+    @property
     def report(self) -> Path:
         return self.path / "report"
 
@@ -61,7 +65,7 @@ def check_ours(path: Path, kind: str) -> dict[str, Any]:
     ----------
     path : Path
     kind : str
-        "run" or "study".
+        "run", "study" or "selftest".
 
     Raises
     ------

@@ -22,6 +22,8 @@ class Level:
     courant: float
     ppc: int
     key: str
+    jitter: float = 0.0
+    seed: int = 0
     dt: float = np.nan
     steps: int = 0
     point_steps: int = 0

@@ -38,7 +38,7 @@ def build(
     snapshots: Mapping[SeriesId, Snapshots],
 ) -> xr.DataTree:
     """Make the tree of a study, without fits and verdicts."""
-    groups = {"/": _root(study, tier, inputs)}
+    groups = {"/": _root(study, tier, inputs, sorted({level.seed for level in levels if level.jitter}))}
     for _, series in study.series():
         name = series.solver.name
         if f"/{name}" in groups:
@@ -63,7 +63,7 @@ def text(values: Sequence[str]) -> np.ndarray:
     return np.array(list(values), dtype=object if len(values) else "U1")
 
 
-def _root(study: Study, tier: str, inputs: str) -> xr.Dataset:
+def _root(study: Study, tier: str, inputs: str, seeds: Sequence[int]) -> xr.Dataset:
     def each(read: Any) -> tuple[str, np.ndarray]:
         return "study_case", text([read(case) for case in study.cases])
 
@@ -78,7 +78,7 @@ def _root(study: Study, tier: str, inputs: str) -> xr.Dataset:
         # Not "case", which the solvers' groups have by level: a group inherits the dimensions of its parent.
         coords={"study_case": each(lambda case: case.name)},
         attrs=provenance.attributes("study", study.title, study.summary)
-        | {"id": study.name, "tier": tier, "inputs": inputs, "seeds": "none: no run is random"},
+        | {"id": study.name, "tier": tier, "inputs": inputs, "seeds": ", ".join(map(str, seeds)) or "none: no run is random"},
     )
 
 
@@ -149,6 +149,8 @@ def _levels(levels: Sequence[Level]) -> xr.Dataset:
             "dt": each(lambda level: level.dt, "s", "time step"),
             "courant": each(lambda level: level.courant, "1", "Courant number"),
             "ppc": each(lambda level: level.ppc, "1", "particles per cell"),
+            "jitter": each(lambda level: level.jitter, "1", "largest displacement of a particle as a share of the spacing"),
+            "seed": each(lambda level: level.seed, "1", "seed of the displacements"),
             "quantity": ("quantity", text(quantities)),
             "norm": ("norm", text(NORMS)),
             "metric_name": ("metric_name", text(metrics)),
@@ -243,6 +245,8 @@ def evidence(dataset: xr.Dataset, levels: np.ndarray) -> Evidence:
         dt=part["dt"].values,
         courant=part["courant"].values,
         ppc=part["ppc"].values,
+        jitter=part["jitter"].values,
+        seed=part["seed"].values,
         outcomes=tuple(part["outcome"].values.tolist()),
         error={quantity: part[f"error_absolute_{quantity}"].values for quantity in size},
         reference=size,

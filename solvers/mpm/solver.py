@@ -68,10 +68,13 @@ def end_conditions(problem: Problem, steps: int, dt: float, last: int) -> Ends:
     return Ends(np.array([0, last]), held, velocity, force)
 
 
-def place_particles(problem: Problem, density: float, h: float, cells: int, ppc: int) -> Particles:
-    """`ppc` particles in each cell at the offsets (i + 1/2)/ppc, undeformed and with the initial velocity."""
-    reference = problem.lower[0] + h * (np.arange(cells * ppc) + 0.5) / ppc
-    count, volume = len(reference), h / ppc
+def place_particles(problem: Problem, density: float, cells: int, at: Discretisation) -> Particles:
+    """`ppc` particles in each cell at the offsets (i + 1/2)/ppc and their jitter, undeformed and with the initial velocity."""
+    count, volume = cells * at.ppc, at.h / at.ppc
+    places = np.arange(count) + 0.5
+    if at.jitter:
+        places += at.jitter * np.random.default_rng(at.seed).uniform(-1, 1, count)
+    reference = problem.lower[0] + at.h * places / at.ppc
     velocity = problem.initial_field("velocity", reference[:, None])[:, 0].copy()
     mass, volumes = np.full(count, density * volume), np.full(count, volume)
     return Particles(reference, np.zeros(count), velocity, np.ones(count), np.zeros(count), mass, volumes)
@@ -218,7 +221,7 @@ class MaterialPoint:
         require(held_or_loaded, self.name, problem, "prescribed velocities and tractions as boundary conditions")
         (cells,) = discretisation.cells(problem)
         steps, dt = discretisation.time_steps(problem)
-        particles = place_particles(problem, material.density, discretisation.h, cells, discretisation.ppc)
+        particles = place_particles(problem, material.density, cells, discretisation)
         for quantity in ("displacement", "stress"):
             given = problem.initial_field(quantity, particles.reference[:, None])
             require(not given.any(), self.name, problem, f"bodies without an initial {quantity}")

@@ -1,0 +1,76 @@
+"""The self-test as one DataTree: what became of every planted fault, and of every run of the unmodified solvers.
+
+Layout
+------
+/          how many faults the rules made, provenance
+/faults    one row a fault: rule, place, what stood there and stands there now, its fate and what killed it
+/runs      one row an unmodified run: processes, threads, seed, and its worst verdict
+"""
+
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmverify.atomic import write_atomic
+from mpmverify.dataset import provenance
+from mpmverify.dataset.files import check_ours
+from mpmverify.dataset.kill_table import Fate, PlantedFault, SelfTest, UnmodifiedRun
+from mpmverify.dataset.study import text
+from mpmverify.dataset.tree import write_tree
+from mpmverify.errors import ResultsError
+
+UNITS = {"seconds": "s"}
+WORDS = {"deviation": "largest relative deviation from the results of the original", "seconds": "wall time with compilation"}
+
+
+def write_selftest(path: Path, test: SelfTest) -> None:
+    """Write a self-test whole; a foreign file at `path` is never overwritten."""
+    if path.exists():
+        check_ours(path, "selftest")
+    attributes = provenance.attributes("selftest", "Planted faults", "Verdicts on solvers with one fault each.")
+    root = xr.Dataset(attrs=attributes | {"id": "selftest", "tier": test.tier, "sites": test.sites})
+    groups = {"/": root, "/faults": _columns("fault", test.faults), "/runs": _columns("run", test.runs)}
+    tree = xr.DataTree.from_dict(groups)
+    write_atomic(path, lambda temporary: write_tree(temporary, tree))
+
+
+def _columns(dimension: str, rows: Sequence[Any]) -> xr.Dataset:
+    kind = PlantedFault if dimension == "fault" else UnmodifiedRun
+    variables = {}
+    for entry in dataclasses.fields(kind):
+        values = [getattr(row, entry.name) for row in rows]
+        attributes = {"long_name": WORDS.get(entry.name, entry.name)}
+        if values and isinstance(values[0], str):
+            variables[entry.name] = (dimension, text(values), attributes)
+        else:
+            variables[entry.name] = (dimension, np.array(values), attributes | {"units": UNITS.get(entry.name, "1")})
+    return xr.Dataset(variables)
+
+
+def read_selftest(path: Path) -> SelfTest:
+    """Read a self-test.
+
+    Raises
+    ------
+    ResultsError
+        If the file is missing, unreadable, foreign or damaged.
+    """
+    attributes = check_ours(path, "selftest")
+    try:
+        with xr.open_datatree(path, engine="netcdf4") as tree:
+            faults = tuple(
+                dataclasses.replace(row, fate=Fate(row.fate)) for row in _rows(PlantedFault, tree["faults"].to_dataset())
+            )
+            runs = _rows(UnmodifiedRun, tree["runs"].to_dataset())
+            return SelfTest(str(attributes["tier"]), int(attributes["sites"]), faults, runs)
+    except (OSError, RuntimeError, ValueError, KeyError) as error:
+        raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify selftest` again") from error
+
+
+def _rows(kind: Any, dataset: xr.Dataset) -> tuple[Any, ...]:
+    columns = [dataset[entry.name].values.tolist() for entry in dataclasses.fields(kind)]
+    return tuple(kind(*row) for row in zip(*columns, strict=True))

@@ -1,0 +1,136 @@
+"""Manufactured standing wave in a linear elastic bar with one end moved, the other loaded, and a body force everywhere."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpmverify.errors import UsageError
+from mpmverify.exact.solution import ExactSolution, VerificationProblem
+from mpmverify.problem import Array, BoundaryCondition, LinearElastic, Problem, Traction, Velocity
+
+CITATION = "Salari K., Knupp P. (2000). Code verification by the method of manufactured solutions. Sandia report SAND2000-1444"
+
+
+@dataclass(frozen=True)
+class Swing:
+    """a sin(omega t + phase), a datum in time (a `History`); omega in rad/s."""
+
+    amplitude: float
+    omega: float
+    phase: float = 0.0
+
+    def __call__(self, t: Array) -> Array:
+        return self.amplitude * np.sin(self.omega * t + self.phase)
+
+    def integral(self, t: Array) -> Array:
+        return self.amplitude / self.omega * (math.cos(self.phase) - np.cos(self.omega * t + self.phase))
+
+
+@dataclass(frozen=True)
+class Shape:
+    """a sin(k X + phase): (P, 1) [m] -> (P, 1); k in rad/m."""
+
+    amplitude: float
+    wavenumber: float
+    phase: float
+
+    def __call__(self, X: Array) -> Array:
+        return self.amplitude * np.sin(self.wavenumber * X + self.phase)
+
+
+@dataclass(frozen=True)
+class Product:
+    """A shape in space times a swing in time: (P, 1) [m], (T,) [s] -> (T, P, 1)."""
+
+    shape: Shape
+    swing: Swing
+
+    def __call__(self, X: Array, t: Array) -> Array:
+        return self.swing(t)[:, None, None] * self.shape(X)[None]
+
+
+def driven_bar(
+    loaded: str = "x+",
+    *,
+    amplitude: float = 1e-6,
+    lower: float = 0.5,
+    length: float = 1.6,
+    youngs_modulus: float = 3.0,
+    density: float = 2.0,
+    poissons_ratio: float = 0.3,
+) -> VerificationProblem:
+    """Linear elastic bar that follows u = G sin(k X + phi) sin(omega t).
+
+    No parameter is 0 or 1, no end is at rest or free, and nothing is symmetric: what cancels or vanishes on a bar of unit
+    properties does not here.
+
+    Parameters
+    ----------
+    loaded : {"x-", "x+"}
+        The face under traction; the other one is moved.
+    amplitude : float
+        G [m].
+    lower, length : float
+        Place of x- and length of the bar [m].
+    youngs_modulus, density, poissons_ratio : float
+        E [Pa], rho [kg/m^3], nu [1]; the bar is strained uniaxially, with the modulus lambda + 2 mu.
+
+    Raises
+    ------
+    UsageError
+        If the loaded face is not one of the bar's.
+
+    Notes
+    -----
+    rho u_tt = (lambda + 2 mu) u_XX + rho b gives b = (c^2 k^2 - omega^2) u with c^2 = (lambda + 2 mu)/rho.
+
+    References
+    ----------
+    Salari K., Knupp P. (2000). Code verification by the method of manufactured solutions. SAND2000-1444.
+    """
+    if loaded not in ("x-", "x+"):
+        raise UsageError(f"the loaded face of a bar is x- or x+, not {loaded!r}")
+    material = LinearElastic(youngs_modulus, density, poissons_ratio)
+    modulus = material.lame_lambda + 2 * material.shear_modulus
+    c, k, phase = material.wave_speed, 1.3 * math.pi / length, 0.4
+    omega = 0.8 * c * k
+    shape, slope = Shape(1.0, k, phase), Shape(modulus * k, k, phase + math.pi / 2)
+    swing, rate = Swing(amplitude, omega), Swing(amplitude * omega, omega, math.pi / 2)
+
+    def at(face: str) -> Array:
+        return np.array([[lower + (length if face == "x+" else 0.0)]])
+
+    moved = "x-" if loaded == "x+" else "x+"
+    boundary: dict[str, BoundaryCondition] = {
+        moved: Velocity(Swing(rate.amplitude * float(shape(at(moved))[0, 0]), omega, rate.phase)),
+        loaded: Traction(Swing(swing.amplitude * float(slope(at(loaded))[0, 0]), omega)),
+    }
+    return VerificationProblem(
+        problem=Problem(
+            name=f"driven-bar-loaded-at-{loaded}",
+            lower=(lower,),
+            upper=(lower + length,),
+            material=material,
+            boundary=boundary,
+            end_time=1.3 * 2 * math.pi / omega,
+            initial={"velocity": Shape(rate.amplitude, k, phase)},
+            body_force=Product(shape, Swing(amplitude * (c * c * k * k - omega * omega), omega)),
+        ),
+        exact=ExactSolution(
+            fields={
+                "displacement": Product(shape, swing),
+                "velocity": Product(shape, rate),
+                "stress": Product(slope, swing),
+            },
+            citation=CITATION,
+        ),
+        exposes="Moved and loaded ends, the instant at which data are taken, the body force, and terms that vanish on a unit bar.",
+        equations=(
+            r"\rho\, \partial_{tt} u = (\lambda + 2\mu)\, \partial_{XX} u + \rho b, \quad \sigma = (\lambda + 2\mu)\, \partial_X u",
+            r"u(X,0) = 0, \quad \partial_t u(X,0) = \omega G \sin(k X + \varphi)",
+            r"u \text{ and } \sigma \text{ as given at the moved and at the loaded end}",
+            r"b = (c^2 k^2 - \omega^2)\, u, \quad c = \sqrt{(\lambda + 2\mu)/\rho}",
+            r"u = G \sin(k X + \varphi) \sin(\omega t)",
+        ),
+    )

@@ -1,0 +1,70 @@
+"""A fault planted in a copy of the solvers, which stands for the original in a study."""
+
+import dataclasses
+import importlib
+import secrets
+import shutil
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from mpmverify.selftest.faults import Fault
+from mpmverify.solution import Solver
+from mpmverify.study import Study
+
+
+@contextmanager
+def planted(fault: Fault, sources: Path, folder: Path) -> Iterator[str]:
+    """Copy a solver family into a folder, plant the fault, and give the name under which the copy imports.
+
+    Parameters
+    ----------
+    fault : Fault
+    sources : Path
+        Folder of the solvers, one folder a family.
+    folder : Path
+        What is imported, and compiled from it, goes here.
+
+    Notes
+    -----
+    The name is new each time: modules, compiled code and content keys are remembered by name.
+    """
+    import numba
+
+    name = f"planted_{secrets.token_hex(8)}"
+    package = folder / name
+    skipped = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(sources / fault.family, package / fault.family, ignore=skipped)
+    (package / "__init__.py").touch()
+    for file, text in fault.planted(sources).items():
+        (package / file).write_text(text, encoding="utf-8")
+    compiled, numba.config.CACHE_DIR = numba.config.CACHE_DIR, ""  # beside the copy, wherever the environment wants it
+    sys.path.insert(0, str(folder))
+    importlib.invalidate_caches()
+    try:
+        yield name
+    finally:
+        sys.path.remove(str(folder))
+        numba.config.CACHE_DIR = compiled
+        for module in [module for module in sys.modules if module.partition(".")[0] == name]:
+            del sys.modules[module]
+
+
+def copied(package: str, solver: Solver) -> Solver:
+    """Return the same solver value, of the class in a planted package."""
+    home = type(solver).__module__
+    parts = home.split(".")
+    module = importlib.import_module(".".join([package, *parts[parts.index("solvers") + 1 :]]))
+    choices = {field.name: getattr(solver, field.name) for field in dataclasses.fields(solver)}  # type: ignore[arg-type]
+    value: Solver = getattr(module, type(solver).__name__)(**choices)
+    return value
+
+
+def replanted(study: Study, package: str) -> Study:
+    """Return a study with the solvers of a planted package in the place of its own."""
+    cases = []
+    for case in study.cases:
+        series = tuple(dataclasses.replace(entry, solver=copied(package, entry.solver)) for entry in case.series)
+        cases.append(dataclasses.replace(case, series=series))
+    return dataclasses.replace(study, cases=tuple(cases))

@@ -1,0 +1,98 @@
+"""One process for each fault: a fault may hang, kill its process or spoil its memory, and the next one never knows."""
+
+import multiprocessing
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from multiprocessing.connection import Connection, wait
+from typing import Any, TypeVar
+
+from mpmverify.pool import no_interrupt
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+@contextmanager
+def environment(values: Mapping[str, str]) -> Iterator[None]:
+    """Have processes that start meanwhile see these variables."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def each_alone(
+    work: Callable[[T], R], tasks: Sequence[T], jobs: int, timeout: float, failed: Callable[[str], R], imports: Sequence[str]
+) -> Iterator[tuple[T, R]]:
+    """Call `work` on every task, each in a process of its own, `jobs` at a time; in the order of completion.
+
+    Parameters
+    ----------
+    work : callable
+        Function or method that travels between processes.
+    tasks : sequence
+    jobs : int
+    timeout : float
+        Limit for one task [s].
+    failed : callable
+        Makes a result of the reason why there is none.
+    imports : sequence of str
+        Modules that every process needs: imported once where the platform can fork a clean process.
+    """
+    forks = "forkserver" in multiprocessing.get_all_start_methods()
+    context: Any = multiprocessing.get_context("forkserver" if forks else "spawn")
+    if forks:
+        context.set_forkserver_preload(["__main__", *imports])
+    waiting = list(reversed(tasks))
+    busy: dict[Any, tuple[Any, T, float]] = {}
+    try:
+        while waiting or busy:
+            while waiting and len(busy) < jobs:
+                ours, theirs = context.Pipe(duplex=False)
+                task = waiting.pop()
+                process = context.Process(target=_serve, args=(theirs, work, task), daemon=True)
+                with no_interrupt():
+                    process.start()
+                theirs.close()
+                busy[ours] = (process, task, time.monotonic() + timeout)
+            pause = max(0.0, min(deadline for _, _, deadline in busy.values()) - time.monotonic())
+            ready = wait(list(busy), pause)
+            for connection, (process, task, deadline) in list(busy.items()):
+                if connection not in ready and time.monotonic() < deadline:
+                    continue
+                result = (
+                    _received(connection, process, failed) if connection in ready else failed(f"no result within {timeout:g} s")
+                )
+                _end(connection, process)
+                del busy[connection]
+                yield task, result
+    finally:
+        for connection, (process, _, _) in busy.items():
+            _end(connection, process)
+
+
+def _received(connection: Connection, process: Any, failed: Callable[[str], R]) -> R:
+    try:
+        result: R = connection.recv()
+        return result
+    except (EOFError, ConnectionResetError):
+        process.join()
+        return failed(f"the process died with exit status {process.exitcode}")
+
+
+def _end(connection: Connection, process: Any) -> None:
+    process.kill()
+    process.join()
+    connection.close()
+
+
+def _serve(connection: Connection, work: Callable[[T], R], task: T) -> None:
+    connection.send(work(task))

@@ -1,0 +1,185 @@
+"""The self-test from the faults to the kill table; what is already known of a fault is not found out again."""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from mpmverify.atomic import write_atomic
+from mpmverify.baseline import Baseline
+from mpmverify.dataset.content import digest, file_digest
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.kill_table import Fate, PlantedFault, SelfTest, UnmodifiedRun
+from mpmverify.gate import Verdict
+from mpmverify.runner import Plan, run
+from mpmverify.selftest.faults import Fault, passage
+from mpmverify.selftest.named import NAMED
+from mpmverify.selftest.processes import each_alone, environment
+from mpmverify.selftest.rules import faults, sampled
+from mpmverify.selftest.survivors import EXPLAINED
+from mpmverify.selftest.trials import TRIALS, merged
+from mpmverify.selftest.unmodified import settings, unmodified
+from mpmverify.selftest.verdict import Court, Fortune
+from mpmverify.study import Study
+
+EACH = 4
+"""Faults of every rule and family in the full tier."""
+RUNS = {"quick": 4, "full": 50}
+"""Runs of the unmodified solvers."""
+CODE = ("mpmverify.evaluation", "mpmverify.dataset.verdicts", "mpmverify.selftest.verdict")
+"""Modules that judge a fault."""
+COMPILATION = {"NUMBA_OPT": "1"}
+"""Most of the time compiles what runs for a moment: less optimisation takes a quarter off."""
+
+Progress = Callable[[str, int, int], None]
+Row = TypeVar("Row", PlantedFault, UnmodifiedRun)
+
+
+@dataclass(frozen=True)
+class Session:
+    """Everything that one self-test does.
+
+    Parameters
+    ----------
+    results : Results
+    get : callable
+        Gives a study by its name.
+    sources : Path
+        Folder of the solvers.
+    baseline : Baseline
+    tier : str
+        "quick" plants the named faults, "full" the sample of those by rule beside them.
+    jobs : int
+        Faults at a time.
+    timeout : float
+        Limit for one fault on all trials [s].
+    """
+
+    results: Results
+    get: Callable[[str], Study]
+    sources: Path
+    baseline: Baseline
+    tier: str = "quick"
+    jobs: int = 1
+    timeout: float = 300.0
+
+    def run(self, progress: Progress = lambda *_: None) -> SelfTest:
+        """Run the unmodified solvers, and the faults when those pass.
+
+        Raises
+        ------
+        UsageError, ResultsError
+            If a fault or a trial was declared for other sources, or a file cannot be read or written.
+        """
+        found = {family: faults(self.sources, family) for family in TRIALS}
+        planted = list(NAMED)
+        if self.tier == "full":
+            planted += [fault for family in TRIALS for fault in sampled(found[family], EACH)]
+        trials = {family: tuple(trial.of(self.get) for trial in declared) for family, declared in TRIALS.items()}
+        studies = merged(study for declared in trials.values() for study in declared)
+        unmodified_runs = self._unmodified(studies, progress)
+        first, sites = next(unmodified_runs), sum(map(len, found.values()))
+        if first.verdict != Verdict.PASS:  # no verdict on a fault would mean anything
+            return SelfTest(self.tier, sites, (), (first,))
+        for _ in run(studies, Plan(self._original, self.baseline, jobs=self.jobs)):
+            pass  # what the faulty solvers are compared with
+        rows = {fault.id: row for fault, row in self._planted(planted, trials, progress)}
+        return SelfTest(self.tier, sites, tuple(rows[fault.id] for fault in planted), (first, *unmodified_runs))
+
+    def _unmodified(self, studies: list[Study], progress: Progress) -> Iterator[UnmodifiedRun]:
+        """Every setting once."""
+        chosen = settings(RUNS[self.tier])
+        for done, setting in enumerate(chosen, start=1):
+            key = digest(
+                studies, asdict(setting), file_digest(self.baseline.path), code=(*CODE, "mpmverify.selftest.unmodified")
+            )
+            row = _stored(self._path(key), UnmodifiedRun)
+            if row is None:
+                row = unmodified(studies, setting, self.baseline)
+                _store(self._path(key), row)
+            progress("unmodified solvers", done, len(chosen))
+            yield row
+
+    def _planted(
+        self, planted: Sequence[Fault], trials: dict[str, tuple[Study, ...]], progress: Progress
+    ) -> Iterator[tuple[Fault, PlantedFault]]:
+        courts = {
+            family: Court(self.sources, studies, self.baseline, self._original.path) for family, studies in trials.items()
+        }
+        keys = {fault.id: self._key(fault, trials[fault.family]) for fault in planted}
+        done, waiting = 0, []
+        for fault in planted:
+            row = _stored(self._path(keys[fault.id]), PlantedFault)
+            if row is None:
+                waiting.append((courts[fault.family], fault))
+            else:
+                done += 1
+                progress("planted faults", done, len(planted))
+                yield fault, row
+        modules = {type(s.solver).__module__ for studies in trials.values() for study in studies for _, s in study.series()}
+        imports = sorted({*CODE, *modules})
+        with environment(COMPILATION):
+            for (_, fault), fortune in each_alone(_judge, waiting, self.jobs, self.timeout, _failed, imports):
+                row = self._row(fault, fortune)
+                _store(self._path(keys[fault.id]), row)
+                done += 1
+                progress("planted faults", done, len(planted))
+                yield fault, row
+
+    def _key(self, fault: Fault, trials: tuple[Study, ...]) -> str:
+        """Content key: the patch, the trials and the original that they run, the baseline and the code that judges."""
+        patch = sorted(fault.planted(self.sources).items())
+        return digest(
+            fault.id, fault.name, patch, trials, file_digest(self.baseline.path), EXPLAINED.get(fault.id, ""), code=CODE
+        )
+
+    def _row(self, fault: Fault, fortune: Fortune) -> PlantedFault:
+        at, finding = passage(fault, self.sources), fortune.finding
+        names = ("study", "case", "solver", "gate", "verdict", "criterion", "reason")
+        said = {name: str(getattr(finding, name)) for name in names} if finding else {"reason": fortune.reason}
+        return PlantedFault(
+            id=fault.id,
+            family=fault.family,
+            rule=fault.rule,
+            name=fault.name,
+            file=at.file,
+            line=at.line,
+            before=at.before,
+            after=at.after,
+            fate=fortune.fate,
+            deviation=fortune.deviation,
+            trials=fortune.trials,
+            seconds=fortune.seconds,
+            explanation=EXPLAINED.get(fault.id, ""),
+            **said,
+        )
+
+    @property
+    def _original(self) -> Results:
+        return Results(self.results.selftest.parent / "original")
+
+    def _path(self, key: str) -> Path:
+        return self.results.selftest.parent / "known" / f"{key}.json"
+
+
+def _judge(task: tuple[Court, Fault]) -> Fortune:
+    court, fault = task
+    return court.judge(fault)
+
+
+def _failed(reason: str) -> Fortune:
+    return Fortune(Fate.BROKEN, reason=reason)
+
+
+def _store(path: Path, row: PlantedFault | UnmodifiedRun) -> None:
+    write_atomic(path, lambda temporary: temporary.write_text(json.dumps(asdict(row)), encoding="utf-8"))
+
+
+def _stored(path: Path, kind: type[Row]) -> Row | None:
+    """Row that is known; None when there is none, or none that can be read."""
+    try:
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        return kind(**(stored | ({"fate": Fate(stored["fate"])} if "fate" in stored else {})))
+    except (OSError, ValueError, TypeError):
+        return None

@@ -1,0 +1,108 @@
+"""Trials: series of the quick studies that a faulty solver is put to, the likeliest to convict it first."""
+
+import dataclasses
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from mpmverify.errors import UsageError
+from mpmverify.study import Study
+
+
+@dataclass(frozen=True)
+class Trial:
+    """All series of one solver, by its name, in one case of a study."""
+
+    study: str
+    case: str
+    solver: str
+
+    def of(self, get: Callable[[str], Study]) -> Study:
+        """Return the study reduced to this trial, with its criteria.
+
+        Parameters
+        ----------
+        get : callable
+            Gives a study by its name.
+
+        Raises
+        ------
+        UsageError
+            If the study has no such series.
+        """
+        study = get(self.study)
+        cases = [case for case in study.cases if case.name == self.case]
+        series = tuple(entry for case in cases for entry in case.series if entry.solver.name == self.solver)
+        if not series:
+            raise UsageError(f"the study {self.study!r} does not run {self.solver!r} in a case {self.case!r}")
+        return dataclasses.replace(study, cases=(dataclasses.replace(cases[0], series=series),))
+
+
+def merged(studies: Iterable[Study]) -> list[Study]:
+    """Return one study for each name, with all the series of the studies of that name."""
+    table: dict[str, Study] = {}
+    for study in studies:
+        known = table.setdefault(study.name, study)
+        if known is study:
+            continue
+        cases = {case.name: case for case in known.cases}
+        for case in study.cases:
+            before = cases.get(case.name, dataclasses.replace(case, series=()))
+            cases[case.name] = dataclasses.replace(before, series=(*before.series, *case.series))
+        table[study.name] = dataclasses.replace(known, cases=tuple(cases.values()))
+    return list(table.values())
+
+
+VIBRATION, DRIVEN, BAR, ADVECTION, DECK, MANUFACTURED = (
+    "axial-vibration",
+    "driven-bar",
+    "elastic-bar",
+    "advection",
+    "gehojerez-deck",
+    "manufactured-1d",
+)
+TRIALS: dict[str, tuple[Trial, ...]] = {
+    "mpm": (
+        Trial(DRIVEN, "loaded-right", "mpm-ul-linear-musl-flip"),
+        Trial(DRIVEN, "loaded-left", "mpm-tl-quadratic-usf-flip"),
+        Trial(VIBRATION, "small-strain", "mpm-ul-linear-musl-flip"),
+        Trial(MANUFACTURED, "published", "mpm-tl-linear-musl-flip-nodalforce"),
+        Trial(BAR, "pulse", "mpm-ul-linear-musl-flip"),
+        Trial(MANUFACTURED, "crossing", "mpm-ul-quadratic-musl-flip"),
+        Trial(MANUFACTURED, "poisson", "mpm-tl-linear-musl-flip"),
+        Trial(VIBRATION, "small-strain", "mpm-ul-linear-musl-pic"),
+        Trial(VIBRATION, "small-strain", "mpm-ul-linear-usf-flip"),
+        Trial(VIBRATION, "small-strain", "mpm-ul-linear-usl-flip"),
+        Trial(VIBRATION, "small-strain", "mpm-tl-quadratic-usl-flip"),
+        Trial(BAR, "pulse", "mpm-ul-quadratic-musl-flip"),
+        Trial(BAR, "pulse", "mpm-tl-linear-musl-flip"),
+        Trial(BAR, "pulse", "mpm-ul-linear-musl-pic"),
+        Trial(MANUFACTURED, "no-crossing", "mpm-ul-linear-musl-blend95"),
+        Trial(MANUFACTURED, "crossing", "mpm-tl-quadratic-usf-flip"),
+    ),
+    "taylor_galerkin": (
+        Trial(DECK, "deck", "tg-lumped"),
+        Trial(ADVECTION, "spectrum", "tg-consistent-3"),
+        Trial(DRIVEN, "loaded-right", "tg-lumped"),
+        Trial(DRIVEN, "loaded-left", "tg-consistent-3"),
+        Trial(BAR, "pulse", "tg-lumped"),
+        Trial(BAR, "pulse", "tg-consistent-3"),
+        Trial(ADVECTION, "step", "tg-lumped"),
+        Trial(ADVECTION, "step", "tg-consistent-3"),
+        Trial(VIBRATION, "literature", "tg-lumped"),
+        Trial(VIBRATION, "literature", "tg-consistent-3"),
+        Trial(BAR, "step", "tg-consistent-3"),
+    ),
+    "fem": (
+        Trial(DRIVEN, "loaded-right", "fem-p1-consistent-newmark"),
+        Trial(DRIVEN, "loaded-left", "fem-p2-lumped-cd"),
+        Trial(VIBRATION, "literature", "fem-p1-consistent-newmark"),
+        Trial(BAR, "pulse", "fem-p1-lumped-cd"),
+        Trial(MANUFACTURED, "no-crossing", "fem-p2-consistent-cd"),
+        Trial(MANUFACTURED, "poisson", "fem-p2-lumped-cd"),
+        Trial(VIBRATION, "literature", "fem-p2-consistent-newmark"),
+        Trial(VIBRATION, "literature", "fem-p1-consistent-cd"),
+        Trial(BAR, "pulse", "fem-p2-consistent-cd"),
+        Trial(MANUFACTURED, "crossing", "fem-p1-consistent-cd"),
+    ),
+}
+"""Trials by family."""

@@ -1,0 +1,67 @@
+"""Runs of the unmodified solvers, which must pass whatever the processes, the threads and the seed of the particles."""
+
+import dataclasses
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mpmverify.baseline import Baseline
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.kill_table import UnmodifiedRun
+from mpmverify.gate import Finding, Verdict, worst
+from mpmverify.runner import Plan, run
+from mpmverify.selftest.processes import environment
+from mpmverify.study import Study
+from mpmverify.summary import ranked
+
+JITTER = 1e-4
+"""Random places spoil the quadrature by a share that does not fall with h: from 1e-3 on it shows on the finest levels."""
+THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Worker processes, threads of each, and the jitter and seed of the particles."""
+
+    jobs: int
+    threads: int
+    jitter: float
+    seed: int
+
+
+def settings(count: int) -> list[Setting]:
+    """Settings that differ from one another; every other one has all particles at their places, for the regression gate."""
+    return [Setting(1 + k % 3, (1, 2, 4)[k // 3 % 3], JITTER if k % 2 else 0.0, k if k % 2 else 0) for k in range(count)]
+
+
+def unmodified(studies: Sequence[Study], setting: Setting, baseline: Baseline) -> UnmodifiedRun:
+    """Run and judge the trials once, in a folder of their own."""
+    began = time.perf_counter()
+    if setting.jitter:
+        studies = [_jittered(study, setting) for study in studies]
+    with tempfile.TemporaryDirectory(prefix="mpmverify-") as folder, environment(dict.fromkeys(THREADS, str(setting.threads))):
+        plan = Plan(Results(Path(folder)), baseline, jobs=setting.jobs)
+        findings = [finding for judged in run(studies, plan) for finding in judged.findings if counts(finding)]
+    bad = ranked(findings)
+    return UnmodifiedRun(
+        **dataclasses.asdict(setting),
+        verdict=worst(finding.verdict for finding in findings).value,
+        judged=len(findings),
+        reason=str(bad[0]) if bad else "",
+        seconds=time.perf_counter() - began,
+    )
+
+
+def counts(finding: Finding) -> bool:
+    """Whether a finding is one on an unmodified solver: not where the baseline has nothing to compare with."""
+    return finding.gate == "verification" or finding.verdict is not Verdict.INCONCLUSIVE
+
+
+def _jittered(study: Study, setting: Setting) -> Study:
+    cases = []
+    for case in study.cases:
+        moved = (dataclasses.replace(s, refinement=s.refinement.with_jitter(setting.jitter, setting.seed)) for s in case.series)
+        cases.append(dataclasses.replace(case, series=tuple(moved)))
+    return dataclasses.replace(study, cases=tuple(cases))

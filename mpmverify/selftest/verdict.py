@@ -1,0 +1,179 @@
+"""What became of a planted fault: the trials that it was put to, and how they ended."""
+
+import ast
+import dataclasses
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mpmverify.baseline import Baseline
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.kill_table import Fate
+from mpmverify.dataset.runs import read_run
+from mpmverify.errors import MpmverifyError
+from mpmverify.gate import Finding, Verdict
+from mpmverify.runner import Plan, run, tasks_of
+from mpmverify.selftest.faults import Edit, Fault
+from mpmverify.selftest.planting import planted, replanted
+from mpmverify.solution import Solution, Status
+from mpmverify.study import Study
+
+ROUND_OFF = 1e-11
+"""Results that differ by no more, relative to their size, are the same."""
+
+
+@dataclass(frozen=True)
+class Fortune:
+    """What became of one fault.
+
+    Parameters
+    ----------
+    fate : Fate
+    finding : Finding or None
+        What killed it; the worst that was said of a survivor.
+    reason : str
+        Why it does not run.
+    deviation : float
+        Largest relative deviation of its results from the original's on the trials that it lived to see.
+    trials : int
+        How many those were.
+    seconds : float
+        Compilation included.
+    """
+
+    fate: Fate
+    finding: Finding | None = None
+    reason: str = ""
+    deviation: float = 0.0
+    trials: int = 0
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Court:
+    """Everything that a fault is judged by.
+
+    Parameters
+    ----------
+    sources : Path
+        Folder of the solvers.
+    trials : tuple of Study
+        Each with one solver in one case.
+    baseline : Baseline
+        Of the regression gate.
+    original : Path
+        Results folder with the runs of the original solvers.
+    """
+
+    sources: Path
+    trials: tuple[Study, ...]
+    baseline: Baseline
+    original: Path
+
+    def judge(self, fault: Fault) -> Fortune:
+        """Put a fault to the trials until one of them kills it."""
+        began = time.perf_counter()
+        with tempfile.TemporaryDirectory(prefix="mpmverify-") as folder:
+            fortune = self._tried(fault, Path(folder))
+            if fortune.fate is Fate.EQUIVALENT and not self._exercised(fault, Path(folder)):
+                fortune = dataclasses.replace(fortune, fate=Fate.NOT_EXERCISED)
+        return dataclasses.replace(fortune, seconds=time.perf_counter() - began)
+
+    def _tried(self, fault: Fault, folder: Path) -> Fortune:
+        worst: Finding | None = None
+        regression: Finding | None = None
+        deviation = 0.0
+        try:
+            with planted(fault, self.sources, folder) as package:
+                for k, trial in enumerate(self.trials, start=1):
+                    faulty = replanted(trial, package)
+                    results = Results(folder / f"trial-{k}")
+                    findings = self._findings(faulty, results)
+                    if killer := _killer(findings, "verification"):
+                        crashed = f": {Status.CRASHED}" in killer.reason
+                        return Fortune(Fate.BROKEN if crashed else Fate.KILLED, killer, deviation=deviation, trials=k)
+                    regression = regression or _killer(findings, "regression")
+                    worst = worst or next((f for f in findings if f.verdict is not Verdict.PASS), None)
+                    deviation = max(deviation, *self._deviations(trial, faulty, results))
+        except MpmverifyError as error:
+            return Fortune(Fate.BROKEN, reason=f"the solver refuses the problem: {error}")
+        except Exception as error:  # what a fault does on import is its own affair
+            return Fortune(Fate.BROKEN, reason=f"{type(error).__name__}: {error}")
+        if regression:
+            return Fortune(Fate.REGRESSION, regression, deviation=deviation, trials=len(self.trials))
+        fate = Fate.EQUIVALENT if deviation <= ROUND_OFF else Fate.SURVIVED
+        return Fortune(fate, worst, deviation=deviation, trials=len(self.trials))
+
+    def _findings(self, study: Study, results: Results) -> list[Finding]:
+        (judged,) = run([study], Plan(results, self.baseline, jobs=0))
+        return list(judged.findings)
+
+    def _deviations(self, trial: Study, faulty: Study, results: Results) -> Iterator[float]:
+        """Deviation of each run of a trial from the original's."""
+        original = Results(self.original)
+        for one, two in zip(
+            tasks_of(trial, Plan(original, self.baseline)), tasks_of(faulty, Plan(results, self.baseline)), strict=True
+        ):
+            yield deviation(read_run(results.run(two.key), two.key), read_run(original.run(one.key), one.key))
+
+    def _exercised(self, fault: Fault, folder: Path) -> bool:
+        """Whether a trial comes to the passage: with an exception in its place, one of them errs."""
+        tripped = dataclasses.replace(fault, edits=(_trip(fault.edits[0], self.sources),))
+        return self._tried(tripped, folder).fate is not Fate.EQUIVALENT
+
+
+def _trip(edit: Edit, sources: Path) -> Edit:
+    """Exception in front of the statement that an edit changes."""
+    text = (sources / edit.file).read_text(encoding="utf-8")
+    begin = edit.begin(text)
+    line = text.count("\n", 0, begin) + 1
+    holders = [
+        node
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.stmt) and node.lineno <= line <= (node.end_lineno or 0)
+    ]
+    statement = min(holders, key=lambda node: ((node.end_lineno or 0) - node.lineno, -node.lineno))
+    lines = text.splitlines(keepends=True)
+    start = sum(map(len, lines[: statement.lineno - 1]))
+    whole = text[start:]
+    indent = whole[: len(whole) - len(whole.lstrip())]
+    return Edit(edit.file, text, text[:start] + f"{indent}raise ArithmeticError\n" + whole)
+
+
+def _killer(findings: Sequence[Finding], gate: str) -> Finding | None:
+    """First FAIL of a gate, or else its first ERROR."""
+    for verdict in (Verdict.FAIL, Verdict.ERROR):
+        for finding in findings:
+            if finding.gate == gate and finding.verdict is verdict:
+                return finding
+    return None
+
+
+def deviation(mine: Solution, theirs: Solution) -> float:
+    """Largest deviation of any array of a solution, relative to its size; infinite where shapes or outcomes differ.
+
+    Momentum and impulse are compared with the size of the particles' momenta, which cancel in their sum; the energies and the
+    work with the largest of them.
+    """
+    if (mine.outcome.status, mine.dt) != (theirs.outcome.status, theirs.dt):
+        return float("inf")
+    one, two = mine.arrays(), theirs.arrays()
+    if {name: values.shape for name, values in one.items()} != {name: values.shape for name, values in two.items()}:
+        return float("inf")
+    sizes = {name: float(np.max(np.abs(values), initial=0.0)) for name, values in two.items()}
+    energies = ("kinetic_energy", "strain_energy", "external_work")
+    energy = max((sizes.get(f"history of {name}", 0.0) for name in energies), default=0.0)
+    scales = {f"history of {name}": energy for name in energies}
+    momentum = np.sqrt(2 * energy * sizes.get("history of mass", 0.0))
+    scales |= {f"history of {name}": max(momentum, sizes.get(f"history of {name}", 0.0)) for name in ("momentum", "impulse")}
+    worst = 0.0
+    for name, values in one.items():
+        difference = float(np.max(np.abs(values - two[name]), initial=0.0))
+        scale = scales.get(name, sizes[name])
+        if difference > 0:
+            worst = max(worst, difference / scale if scale > 0 else float("inf"))
+    return worst
