@@ -12,11 +12,15 @@ from mpmverify.atomic import write_atomic
 from mpmverify.dataset.files import Results
 from mpmverify.errors import ResultsError
 
+TRUST = "trust"
+"""Page of the self-test."""
 LIBRARIES = ("jinja2", "latex2mathml", "plotly")
 SOURCES = (
     "axis.py",
     "convergence/fits.py",
     "convergence/series.py",
+    "dataset/kill_table.py",
+    "dataset/selftest.py",
     "dataset/sources.py",
     "dataset/study.py",
     "dataset/verdicts.py",
@@ -48,17 +52,21 @@ class Manifest:
         Digest of everything that turns a dataset into a page.
     studies : mapping of str to Source
         By the stem of the study's file.
+    selftest : Source, optional
+        None where there is no self-test.
     """
 
     code: str = ""
     studies: Mapping[str, Source] = field(default_factory=dict)
+    selftest: Source | None = None
 
     @classmethod
     def read(cls, results: Results) -> "Manifest":
         """Manifest of the report that was written last; empty when there is none, or none that can be read."""
         try:
             stored = json.loads(_path(results).read_text(encoding="utf-8"))
-            return cls(stored["code"], {name: Source(**entry) for name, entry in stored["studies"].items()})
+            studies = {name: Source(**entry) for name, entry in stored["studies"].items()}
+            return cls(stored["code"], studies, Source(**stored["selftest"]) if stored["selftest"] else None)
         except (OSError, ValueError, TypeError, KeyError, AttributeError):
             return cls()
 
@@ -69,32 +77,42 @@ class Manifest:
         Raises
         ------
         ResultsError
-            If a study would take the place of the index page.
+            If a study would take the place of the index page or of the page on trust.
         """
-        stats = {path.stem: path.stat() for path in results.studies()}
-        studies = {name: Source(stat.st_size, stat.st_mtime_ns) for name, stat in stats.items()}
-        if "index" in studies:
-            raise ResultsError(f"'{results.study('index')}' would take the place of the index page: name the study otherwise")
-        return cls(_code(), studies)
+        studies = {path.stem: _source(path) for path in results.studies()}
+        for taken, name in (("index", "the index page"), (TRUST, "the page on trust")):
+            if taken in studies:
+                raise ResultsError(f"'{results.study(taken)}' would take the place of {name}: name the study otherwise")
+        return cls(_code(), studies, _source(results.selftest) if results.selftest.exists() else None)
 
     def describes(self, known: "Manifest", results: Results) -> bool:
         """Whether the report at hand is the one that `self` asks for."""
         return self == known and not self.stale(known, results)
 
     def stale(self, known: "Manifest", results: Results) -> list[str]:
-        """Studies whose page is missing or was made from something else."""
+        """Pages, by study or as "trust", that are missing or were made from something else."""
+        wanted, had = self.pages(), known.pages()
         return [
             name
-            for name, source in self.studies.items()
-            if self.code != known.code or known.studies.get(name) != source or not page(results, name).exists()
+            for name, source in wanted.items()
+            if self.code != known.code or had.get(name) != source or not page(results, name).exists()
         ]
+
+    def pages(self) -> dict[str, Source]:
+        """What each page but the index is made from, by its name."""
+        return dict(self.studies) | ({TRUST: self.selftest} if self.selftest else {})
 
     def write(self, results: Results, known: "Manifest") -> None:
         """Record this report, and remove the pages of studies that are gone."""
-        for name in known.studies.keys() - self.studies.keys():
+        for name in known.pages().keys() - self.pages().keys():
             page(results, name).unlink(missing_ok=True)
         text = json.dumps(asdict(self), indent=1, sort_keys=True) + "\n"
         write_atomic(_path(results), lambda temporary: temporary.write_text(text, encoding="utf-8"))
+
+
+def _source(path: Path) -> Source:
+    status = path.stat()
+    return Source(status.st_size, status.st_mtime_ns)
 
 
 def page(results: Results, study: str) -> Path:

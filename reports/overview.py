@@ -134,8 +134,8 @@ def origin(record: Record) -> Origin:
     return Origin(record.name, f"../{record.name}.nc", tuple(Fact(name, str(value)) for name, value in names.items()))
 
 
-def index_page(records: Sequence[Record], generator: str) -> IndexPage:
-    """Make the first page from all studies."""
+def index_page(records: Sequence[Record], generator: str, *, trusted: bool = False) -> IndexPage:
+    """Make the first page from all studies; `trusted` links the page of the self-test."""
     findings = [finding for record in records for finding in record.findings]
     names = list(dict.fromkeys(solver for record in records for solver in record.schemes))
     solvers = {record.name: solver_anchors(record) for record in records}
@@ -147,6 +147,7 @@ def index_page(records: Sequence[Record], generator: str) -> IndexPage:
         navigation=(
             Link("Overview", "index.html", True),
             *(Link(str(r.attributes["title"]), f"{r.name}.html") for r in records),
+            *((Link("How far to trust this", "trust.html"),) if trusted else ()),
         ),
         mark=mark(findings),
         gates=gate_marks(findings),

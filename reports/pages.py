@@ -2,7 +2,25 @@
 
 from dataclasses import dataclass
 
-from .parts import Curve, Fact, GateMark, Group, Link, Mark, Option, OrderTable, Origin, Row, RunRow, Scheme, Share, SourceRow
+from .parts import (
+    Curve,
+    Fact,
+    Fates,
+    FaultRow,
+    GateMark,
+    Group,
+    Link,
+    Mark,
+    Option,
+    OrderTable,
+    Origin,
+    Plain,
+    Row,
+    RunRow,
+    Scheme,
+    Share,
+    SourceRow,
+)
 
 
 @dataclass(frozen=True)
@@ -104,4 +122,49 @@ class StudyPage:
     rows: tuple[Row, ...]
     schemes: tuple[Scheme, ...]
     cases: tuple[CaseSection, ...]
+    origins: tuple[Origin, ...]
+
+
+@dataclass(frozen=True)
+class TrustPage:
+    """How far to trust the verdicts.
+
+    Parameters
+    ----------
+    title, generator : str
+    navigation : tuple of Link
+    mark : Mark
+        Of the self-test; its note says how many of the faults that change results were caught.
+    sample : str
+        Which faults were planted, in a sentence.
+    fates : tuple of str
+        Columns of the kill table.
+    rules : tuple of Fates
+    total : Fates
+    meanings : tuple of Fact
+        What each fate means.
+    survivors : tuple of FaultRow
+        With what no trial comes to.
+    named, by_rule : tuple of FaultRow
+    runs : tuple of Plain
+        Of the unmodified solvers.
+    alarms : str
+        How many of them raised a false alarm, in a sentence.
+    origins : tuple of Origin
+    """
+
+    title: str
+    generator: str
+    navigation: tuple[Link, ...]
+    mark: Mark
+    sample: str
+    fates: tuple[str, ...]
+    rules: tuple[Fates, ...]
+    total: Fates
+    meanings: tuple[Fact, ...]
+    survivors: tuple[FaultRow, ...]
+    named: tuple[FaultRow, ...]
+    by_rule: tuple[FaultRow, ...]
+    runs: tuple[Plain, ...]
+    alarms: str
     origins: tuple[Origin, ...]

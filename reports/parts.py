@@ -203,3 +203,36 @@ class RunRow:
     seconds: str
     outcome: str
     href: str
+
+
+@dataclass(frozen=True)
+class Fates:
+    """How many planted faults of a rule met each fate."""
+
+    rule: str
+    planted: str
+    counts: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class FaultRow:
+    """A planted fault: the passage before and after, what caught it, and in which trial."""
+
+    mark: Mark
+    family: str
+    name: str
+    place: str
+    before: str
+    after: str
+    by: str
+    where: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Plain:
+    """A row of a plain table: its verdict, its numbers and the reason."""
+
+    mark: Mark
+    cells: tuple[str, ...]
+    reason: str

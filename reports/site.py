@@ -12,23 +12,28 @@ from markupsafe import Markup, escape
 
 import mpmverify
 from mpmverify.atomic import write_atomic
-from mpmverify.dataset.files import Results
+from mpmverify.dataset.files import Results, check_ours
+from mpmverify.dataset.selftest import read_selftest
 from mpmverify.errors import ResultsError
 
-from .manifest import Manifest, page
+from .manifest import TRUST, Manifest, page
 from .overview import index_page
-from .pages import IndexPage, StudyPage
+from .pages import IndexPage, StudyPage, TrustPage
+from .parts import Link
 from .reader import read
 from .study_page import study_page
+from .trust_page import trust_page
 
 GENERATOR = f"mpmverify {mpmverify.__version__}"
 SIGNATURE = b'<meta name="generator" content="mpmverify '
-TEMPLATES = {IndexPage: "index.html", StudyPage: "study.html"}
+TEMPLATES = {IndexPage: "index.html", StudyPage: "study.html", TrustPage: "trust.html"}
 PLOTLY = "plotly.min.js"
+ORIGIN = {"Written": "date_created", "Commit": "commit", "Tier": "tier", "Versions": "versions", "Platform": "platform"}
+"""Attributes of a self-test that its page shows."""
 
 
 def write(results: Results, manifest: Manifest, stale: Sequence[str]) -> None:
-    """Write the pages of the stale studies, the index page and the assets.
+    """Write the stale pages, the index page and the assets.
 
     Raises
     ------
@@ -43,10 +48,19 @@ def write(results: Results, manifest: Manifest, stale: Sequence[str]) -> None:
     for record in records:
         if record.name in stale:
             _write(page(results, record.name), render(study_page(record, runs, GENERATOR)))
-    _write(page(results, "index"), render(index_page(records, GENERATOR)))
+    if TRUST in stale:
+        _write(page(results, TRUST), render(_trust(results)))
+    _write(page(results, "index"), render(index_page(records, GENERATOR, trusted=manifest.selftest is not None)))
 
 
-def render(content: IndexPage | StudyPage) -> str:
+def _trust(results: Results) -> TrustPage:
+    attributes = check_ours(results.selftest, "selftest")
+    facts = [(name, str(attributes[key])) for name, key in ORIGIN.items()]
+    file = results.selftest.relative_to(results.path).with_suffix("").as_posix()
+    return trust_page(read_selftest(results.selftest), file, facts, (Link("Overview", "index.html"),), GENERATOR)
+
+
+def render(content: IndexPage | StudyPage | TrustPage) -> str:
     """HTML of a page."""
     fields = {field.name: getattr(content, field.name) for field in dataclasses.fields(content)}
     return environment().get_template(TEMPLATES[type(content)]).render(fields)

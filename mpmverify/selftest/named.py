@@ -138,11 +138,15 @@ MATERIAL_POINT = (
         "essential conditions dropped",
         (SOLVER, "held = np.array([isinstance(condition, Velocity)", "held = np.array([False"),
     ),
-    _fault(MPM, "volume of a particle that of its cell", (SOLVER, "len(reference), h / ppc", "len(reference), h")),
+    _fault(
+        MPM,
+        "volume of a particle that of its cell",
+        (SOLVER, "volume = cells * at.ppc, at.h / at.ppc", "volume = cells * at.ppc, at.h"),
+    ),
     _fault(
         MPM,
         "particles at the corners of the cell's parts",
-        (SOLVER, "(np.arange(cells * ppc) + 0.5) / ppc", "(np.arange(cells * ppc) + 0.25) / ppc"),
+        (SOLVER, "places = np.arange(count) + 0.5", "places = np.arange(count) + 0.25"),
     ),
     _fault(
         MPM,

@@ -77,6 +77,7 @@ class Session:
         if self.tier == "full":
             planted += [fault for family in TRIALS for fault in sampled(found[family], EACH)]
         trials = {family: tuple(trial.of(self.get) for trial in declared) for family, declared in TRIALS.items()}
+        keys = {fault.id: self._key(fault, trials[fault.family]) for fault in planted}
         studies = merged(study for declared in trials.values() for study in declared)
         unmodified_runs = self._unmodified(studies, progress)
         first, sites = next(unmodified_runs), sum(map(len, found.values()))
@@ -84,7 +85,7 @@ class Session:
             return SelfTest(self.tier, sites, (), (first,))
         for _ in run(studies, Plan(self._original, self.baseline, jobs=self.jobs)):
             pass  # what the faulty solvers are compared with
-        rows = {fault.id: row for fault, row in self._planted(planted, trials, progress)}
+        rows = {fault.id: row for fault, row in self._planted(planted, keys, trials, progress)}
         return SelfTest(self.tier, sites, tuple(rows[fault.id] for fault in planted), (first, *unmodified_runs))
 
     def _unmodified(self, studies: list[Study], progress: Progress) -> Iterator[UnmodifiedRun]:
@@ -102,12 +103,11 @@ class Session:
             yield row
 
     def _planted(
-        self, planted: Sequence[Fault], trials: dict[str, tuple[Study, ...]], progress: Progress
+        self, planted: Sequence[Fault], keys: dict[str, str], trials: dict[str, tuple[Study, ...]], progress: Progress
     ) -> Iterator[tuple[Fault, PlantedFault]]:
         courts = {
             family: Court(self.sources, studies, self.baseline, self._original.path) for family, studies in trials.items()
         }
-        keys = {fault.id: self._key(fault, trials[fault.family]) for fault in planted}
         done, waiting = 0, []
         for fault in planted:
             row = _stored(self._path(keys[fault.id]), PlantedFault)
