@@ -6,14 +6,11 @@ studies are reduced to the series of that solver, and judged by the runner with 
 
 import dataclasses
 import importlib
-import shutil
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
-import numba
 import pytest
 
 import mpmverify.solvers
@@ -22,12 +19,16 @@ from mpmverify.baseline import Baseline
 from mpmverify.dataset.files import Results
 from mpmverify.gate import Finding, Verdict
 from mpmverify.runner import Plan, run
+from mpmverify.selftest import faults as selftest
+from mpmverify.selftest.faults import Edit
+from mpmverify.selftest.planting import copied, planted
 from mpmverify.solution import Solver
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 from mpmverify.study import Study
 
+SOURCES = Path(mpmverify.solvers.__file__).parent
 FAMILIES: dict[type, str] = {MaterialPoint: "mpm", FiniteElement: "fem", TaylorGalerkin: "taylor_galerkin"}
 """Where the copies of a solver class live."""
 LOOPS = {"mpm": ("kernels", "march"), "fem": ("kernel", "advance"), "taylor_galerkin": ("kernel", "march")}
@@ -53,16 +54,6 @@ class Trial:
         series = tuple(dataclasses.replace(s, solver=replacement) for s in case.series if s.solver == self.solver)
         assert series, f"{self.study}/{self.case} does not run {self.solver.name}"
         return dataclasses.replace(study, cases=(dataclasses.replace(case, series=series),))
-
-
-@dataclasses.dataclass(frozen=True)
-class Edit:
-    """One passage of a file below solvers/, which must stand there exactly so often, and what replaces it."""
-
-    file: str
-    old: str
-    new: str
-    count: int = 1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -316,50 +307,6 @@ FAULTS = (
 )
 TRIALS = tuple(dict.fromkeys(kill.trial for fault in FAULTS for kill in fault.kills))
 
-Plant = Callable[[Sequence[Edit]], str]
-
-
-def plant(source: Path, target: Path, edits: Sequence[Edit]) -> None:
-    """Copy a file or folder without what was compiled from it, and make the edits."""
-    if source.is_dir():
-        shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
-    else:
-        shutil.copy(source, target)
-    for edit in edits:
-        path = target / edit.file
-        text = path.read_text(encoding="utf-8")
-        assert text.count(edit.old) == edit.count, f"{edit.file} holds {edit.old!r} {text.count(edit.old)} times"
-        path.write_text(text.replace(edit.old, edit.new), encoding="utf-8")
-
-
-@pytest.fixture
-def planted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Plant]:
-    """Plant edits in a copy of a source, by default of solvers/, and return the name under which it imports."""
-    name = f"planted_{tmp_path.name}"  # unique in the session: content keys and modules are remembered by name
-    root = tmp_path / "import"
-    root.mkdir()
-    monkeypatch.syspath_prepend(str(root))
-    monkeypatch.setattr(numba.config, "CACHE_DIR", "")  # compiled code beside its source, wherever the environment wants it
-
-    def copy(edits: Sequence[Edit], source: Path = Path(mpmverify.solvers.__file__).parent) -> str:
-        plant(source, root / name if source.is_dir() else root / f"{name}.py", edits)
-        importlib.invalidate_caches()
-        return name
-
-    yield copy
-    for module in [module for module in sys.modules if module.partition(".")[0] == name]:
-        del sys.modules[module]
-
-
-def copied(package: str, solver: Solver) -> Solver:
-    """Return the same solver value, of the class in a planted package."""
-    module = importlib.import_module(f"{package}.{FAMILIES[type(solver)]}")
-    choices = {field.name: getattr(solver, field.name) for field in dataclasses.fields(solver)}  # type: ignore[arg-type]
-    value: Solver = getattr(module, type(solver).__name__)(**choices)
-    assert value.name == solver.name
-    assert type(value) is not type(solver)
-    return value
-
 
 def verification(study: Study, folder: Path) -> list[Finding]:
     """Run a study in this process, without a baseline, and return what verification found."""
@@ -376,28 +323,33 @@ def assert_killed(findings: list[Finding], verdict: Verdict, criterion: str) -> 
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.id)
-def test_a_wrong_solver_fails(fault: Fault, planted: Plant, tmp_path: Path) -> None:
-    package = planted(fault.edits)
-    for k, kill in enumerate(fault.kills):
-        findings = verification(kill.trial.with_solver(copied(package, kill.trial.solver)), tmp_path / str(k))
-        assert_killed(findings, kill.verdict, kill.criterion)
-        if fault.keeps_orders:
-            orders = [finding for finding in findings if finding.criterion.startswith("order of")]
-            assert {finding.verdict for finding in orders} <= {Verdict.PASS}, "\n".join(map(str, orders))
+def test_a_wrong_solver_fails(fault: Fault, tmp_path: Path) -> None:
+    family = fault.kills[0].trial.family
+    with planted(selftest.Fault(family, "named", fault.name, fault.edits), SOURCES, tmp_path) as package:
+        for k, kill in enumerate(fault.kills):
+            findings = verification(kill.trial.with_solver(copied(package, kill.trial.solver)), tmp_path / str(k))
+            assert_killed(findings, kill.verdict, kill.criterion)
+            if fault.keeps_orders:
+                orders = [finding for finding in findings if finding.criterion.startswith("order of")]
+                assert {finding.verdict for finding in orders} <= {Verdict.PASS}, "\n".join(map(str, orders))
 
 
 @pytest.mark.parametrize("family", LOOPS)
-def test_an_unmodified_copy_passes_and_is_compiled_from_its_own_files(family: str, planted: Plant, tmp_path: Path) -> None:
-    package = planted(())
-    for k, trial in enumerate(trial for trial in TRIALS if trial.family == family):
-        findings = verification(trial.with_solver(copied(package, trial.solver)), tmp_path / str(k))
-        assert findings
-        assert {finding.verdict for finding in findings} == {Verdict.PASS}, "\n".join(map(str, findings))
-    module, loop = LOOPS[family]
-    compiled: Any = getattr(importlib.import_module(f"{package}.{family}.{module}"), loop)
-    assert tmp_path in Path(compiled.stats.cache_path).parents
-    assert compiled.stats.cache_misses
-    assert not compiled.stats.cache_hits
+def test_an_unmodified_copy_passes_and_is_compiled_from_its_own_files(family: str, tmp_path: Path) -> None:
+    with planted(selftest.Fault(family, "named", "none", ()), SOURCES, tmp_path) as package:
+        for k, trial in enumerate(trial for trial in TRIALS if trial.family == family):
+            copy = copied(package, trial.solver)
+            assert type(copy) is not type(trial.solver)
+            assert copy.name == trial.solver.name
+            findings = verification(trial.with_solver(copy), tmp_path / str(k))
+            assert findings
+            assert {finding.verdict for finding in findings} == {Verdict.PASS}, "\n".join(map(str, findings))
+        module, loop = LOOPS[family]
+        compiled: Any = getattr(importlib.import_module(f"{package}.{family}.{module}"), loop)
+        assert tmp_path in Path(compiled.stats.cache_path).parents
+        assert compiled.stats.cache_misses
+        assert not compiled.stats.cache_hits
+    assert not any(name.startswith(package) for name in sys.modules)
 
 
 def test_every_fault_of_a_solver_has_its_own_name() -> None:
@@ -434,12 +386,14 @@ def test_a_wrong_comparison_fails(
     edit: Edit,
     trial: Trial,
     criterion: str,
-    planted: Any,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    module: ModuleType = importlib.import_module(planted((edit,), Path(norms.__file__)))
-    monkeypatch.setattr(evaluation, "errors", module.errors)
+    name = f"norms_{tmp_path.name}"
+    (tmp_path / f"{name}.py").write_text(edit.applied(Path(norms.__file__).read_text(encoding="utf-8")), encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    importlib.invalidate_caches()
+    monkeypatch.setattr(evaluation, "errors", importlib.import_module(name).errors)
     findings = verification(trial.with_solver(trial.solver), tmp_path)
     assert_killed(findings, FAIL, criterion)
 

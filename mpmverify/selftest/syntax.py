@@ -1,6 +1,7 @@
 """A source file and its syntax tree: where an expression stands in the text, and what replaces it."""
 
 import ast
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -132,11 +133,23 @@ class Source:
         above = self.parent[node]
         return isinstance(above, ast.If) and node in above.orelse and self.text(node).startswith("elif")
 
-    def function(self, node: ast.AST) -> str:
-        """Name of the function that a node stands in."""
-        while not isinstance(node, ast.FunctionDef):
+    def function(self, node: ast.AST) -> ast.FunctionDef:
+        """Outermost function that a node stands in."""
+        while not (isinstance(node, ast.FunctionDef) and isinstance(self.parent[node], ast.Module | ast.ClassDef)):
             node = self.parent[node]
-        return node.name
+        return node
+
+    def parses(self, node: ast.AST, patch: Patch) -> bool:
+        """Whether the function around a node is Python still, and another one than before."""
+        function = self.function(node)
+        begin, end = self._starts[function.lineno - 1], self.end(function)
+        if self.whole[patch.begin : patch.end] == patch.new:
+            return False
+        try:
+            ast.parse(textwrap.dedent(self.whole[begin : patch.begin] + patch.new + self.whole[patch.end : end]))
+        except SyntaxError:
+            return False
+        return True
 
     def neighbours(self, variable: str, attribute: str) -> list[str]:
         """Next field of the same type in a record, by the name of a variable that holds one; none where there is no other."""
