@@ -100,10 +100,7 @@ def passage(fault: Fault, sources: Path) -> Passage:
     edit = fault.edits[0]
     text = (sources / edit.file).read_text(encoding="utf-8")
     begin = edit.begin(text)
-    end = begin + len(edit.old)
-    first, last = text.rfind("\n", 0, begin) + 1, text.find("\n", end)
-    last = len(text) if last < 0 or edit.old.endswith("\n") else last
-    last = end if edit.old.endswith("\n") else last
-    before = " ".join(text[first:last].split())
-    after = " ".join((text[first:begin] + edit.new + text[end:last]).split())
-    return Passage(edit.file, text.count("\n", 0, begin) + 1, before, after)
+    end = begin + len(edit.old.rstrip("\n"))
+    first, last = text.rfind("\n", 0, begin) + 1, (text + "\n").index("\n", end)
+    after = text[first:begin] + edit.new.rstrip("\n") + text[end:last]
+    return Passage(edit.file, text.count("\n", 0, begin) + 1, " ".join(text[first:last].split()), " ".join(after.split()))

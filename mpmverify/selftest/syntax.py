@@ -98,15 +98,11 @@ class Source:
         return Patch(at, at + len(symbol), others[symbol])
 
     def edit(self, patch: Patch) -> Edit:
-        """Patch as an edit that finds its place again by what it replaces."""
-        old = self.whole[patch.begin : patch.end]
-        ahead, at = 0, self.whole.find(old)
-        while at < patch.begin:  # as `str.count` counts: without overlaps
-            ahead, at = ahead + 1, self.whole.find(old, at + len(old))
-        if at != patch.begin:  # it overlaps an occurrence before it
-            first = self.whole.rfind("\n", 0, patch.begin) + 1
-            return self.edit(Patch(first, patch.end, self.whole[first : patch.begin] + patch.new))
-        return Edit(self.file, old, patch.new, ahead, self.whole.count(old))
+        """Patch as an edit of the lines that it touches: they find their place again wherever the file changes elsewhere."""
+        begin, end = self.whole.rfind("\n", 0, patch.begin) + 1, self.whole.find("\n", patch.end)
+        old = self.whole[begin:end]
+        new = self.whole[begin : patch.begin] + patch.new + self.whole[patch.end : end]
+        return Edit(self.file, old, new, self.whole.count(old, 0, begin), self.whole.count(old))
 
     # What is numerical.
 

@@ -10,9 +10,10 @@ from pathlib import Path
 from mpmverify.baseline import Baseline
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.kill_table import UnmodifiedRun
-from mpmverify.gate import Finding, Verdict, worst
+from mpmverify.gate import worst
 from mpmverify.runner import Plan, run
 from mpmverify.selftest.processes import environment
+from mpmverify.selftest.verdict import counts
 from mpmverify.study import Study
 from mpmverify.summary import ranked
 
@@ -52,11 +53,6 @@ def unmodified(studies: Sequence[Study], setting: Setting, baseline: Baseline) -
         reason=str(bad[0]) if bad else "",
         seconds=time.perf_counter() - began,
     )
-
-
-def counts(finding: Finding) -> bool:
-    """Whether a finding is one on an unmodified solver: not where the baseline has nothing to compare with."""
-    return finding.gate == "verification" or finding.verdict is not Verdict.INCONCLUSIVE
 
 
 def _jittered(study: Study, setting: Setting) -> Study:

@@ -110,7 +110,7 @@ class Court:
 
     def _findings(self, study: Study, results: Results) -> list[Finding]:
         (judged,) = run([study], Plan(results, self.baseline, jobs=0))
-        return list(judged.findings)
+        return [finding for finding in judged.findings if counts(finding)]
 
     def _deviations(self, trial: Study, faulty: Study, results: Results) -> Iterator[float]:
         """Deviation of each run of a trial from the original's."""
@@ -129,19 +129,20 @@ class Court:
 def _trip(edit: Edit, sources: Path) -> Edit:
     """Exception in front of the statement that an edit changes."""
     text = (sources / edit.file).read_text(encoding="utf-8")
-    begin = edit.begin(text)
-    line = text.count("\n", 0, begin) + 1
-    holders = [
-        node
-        for node in ast.walk(ast.parse(text))
-        if isinstance(node, ast.stmt) and node.lineno <= line <= (node.end_lineno or 0)
-    ]
-    statement = min(holders, key=lambda node: ((node.end_lineno or 0) - node.lineno, -node.lineno))
     lines = text.splitlines(keepends=True)
-    start = sum(map(len, lines[: statement.lineno - 1]))
-    whole = text[start:]
-    indent = whole[: len(whole) - len(whole.lstrip())]
-    return Edit(edit.file, text, text[:start] + f"{indent}raise ArithmeticError\n" + whole)
+    line = text.count("\n", 0, edit.begin(text)) + 1
+    around = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.stmt) and node.lineno <= line]
+    around = [
+        node for node in around if line <= (node.end_lineno or 0) and not lines[node.lineno - 1].lstrip().startswith("elif")
+    ]
+    first = max(around, key=lambda node: (node.lineno, node.col_offset)).lineno - 1
+    indent = lines[first][: len(lines[first]) - len(lines[first].lstrip())]
+    return Edit(edit.file, text, "".join([*lines[:first], f"{indent}raise ArithmeticError\n", *lines[first:]]))
+
+
+def counts(finding: Finding) -> bool:
+    """Whether a finding says anything: the regression gate does not where the baseline has nothing to compare with."""
+    return finding.gate == "verification" or finding.verdict is not Verdict.INCONCLUSIVE
 
 
 def _killer(findings: Sequence[Finding], gate: str) -> Finding | None:
@@ -174,6 +175,6 @@ def deviation(mine: Solution, theirs: Solution) -> float:
     for name, values in one.items():
         difference = float(np.max(np.abs(values - two[name]), initial=0.0))
         scale = scales.get(name, sizes[name])
-        if difference > 0:
-            worst = max(worst, difference / scale if scale > 0 else float("inf"))
+        if difference != 0:
+            worst = max(worst, difference / scale if scale > 0 and np.isfinite(difference) else float("inf"))
     return worst

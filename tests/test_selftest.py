@@ -1,0 +1,321 @@
+"""The self-test: faults by rule, their fates, what is kept of them, and what the command says."""
+
+import ast
+import dataclasses
+import math
+import os
+from collections import Counter
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from faulty_solvers import transported
+from test_planted_faults import SOURCES
+
+from mpmverify import studies
+from mpmverify.baseline import Baseline
+from mpmverify.cli import cli
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.kill_table import Fate, PlantedFault, SelfTest, UnmodifiedRun
+from mpmverify.dataset.selftest import read_selftest, write_selftest
+from mpmverify.errors import ResultsError, UsageError
+from mpmverify.exact.advection import Gaussian, advection
+from mpmverify.problem import Discretisation
+from mpmverify.runner import Plan, run
+from mpmverify.selftest import session
+from mpmverify.selftest.faults import Edit, Fault, passage
+from mpmverify.selftest.named import HISTORIC, NAMED
+from mpmverify.selftest.processes import each_alone
+from mpmverify.selftest.rules import RULES, faults, sampled
+from mpmverify.selftest.survivors import EXPLAINED
+from mpmverify.selftest.trials import TRIALS, Trial, merged
+from mpmverify.selftest.unmodified import settings
+from mpmverify.selftest.verdict import Court, deviation
+
+TOY = '''
+from typing import NamedTuple
+
+
+class Nodes(NamedTuple):
+    mass: Array
+    momentum: Array
+
+
+def spread(nodes: Nodes, a: float, b: float, dt: float) -> None:
+    """Return a + b."""
+    require(a > b, "a + b")
+    for side in range(2):
+        nodes.mass[side] = 0.0
+    for i in range(3):
+        nodes.momentum[i, 0] += 0.5 * dt * a - b
+        nodes.mass[i] = -a
+    if a < b:
+        raise ValueError(f"{a + b}")
+    spread(nodes, a, b, dt)
+
+
+def name() -> str:
+    return "a" + "b"
+'''
+EXPECTED = {
+    "operator": {"nodes.momentum[i, 0] -= 0.5 * dt * a - b", "nodes.momentum[i, 0] += 0.5 * dt * a + b"},
+    "index": {"nodes.mass[side + 1] = 0.0", "nodes.momentum[i, -1] += 0.5 * dt * a - b", "nodes.mass[i - 1] = -a"},
+    "factor": {"nodes.momentum[i, 0] += 1 * dt * a - b"},
+    "sign": {"nodes.mass[i] = a", "nodes.mass[i] = -(-a)"},
+    "time-step": {"nodes.momentum[i, 0] += 0.5 * a - b", "nodes.momentum[i, 0] += 0.5 * (dt / 2) * a - b", "spread(nodes, a, b, (dt / 2))"},
+    "term": {"nodes.momentum[i, 0] += (0.5 * dt * a)", "nodes.momentum[i, 0] += -(b)"},
+    "assignment": {"pass"},
+    "stale-array": {"pass"},
+    "comparison": {"if a > b:"},
+    "arguments": {"spread(nodes, b, a, dt)", "spread(nodes, a, dt, b)"},
+    "transposed": {"nodes.momentum[0, i] += 0.5 * dt * a - b"},
+    "wrong-array": {"nodes.mass[i, 0] += 0.5 * dt * a - b", "nodes.momentum[i] = -a", "nodes.momentum[side] = 0.0"},
+    "boundary": {"pass", "for side in range(1):"},
+}  # fmt: skip
+
+
+@pytest.fixture
+def toy(tmp_path):
+    """Sources of one family of one file."""
+    (tmp_path / "toy").mkdir()
+    (tmp_path / "toy" / "kernel.py").write_text(TOY, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def by_rule():
+    return [fault for family in TRIALS for fault in faults(SOURCES, family)]
+
+
+# Faults by rule.
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_rule_applies_where_it_should_and_nowhere_else(rule, toy):
+    found = {passage(fault, toy).after for fault in faults(toy, "toy") if fault.rule == rule}
+    assert EXPECTED[rule] <= found
+    # Not in a refusal, a message, a docstring, an exception, or where a solver speaks of itself.
+    assert not any(word in text for text in found for word in ("require", "Return", "raise", "return"))
+
+
+def test_every_patch_changes_one_place_and_the_program(by_rule):
+    texts = {file: (SOURCES / file).read_text(encoding="utf-8") for file in {fault.edits[0].file for fault in by_rule}}
+    for fault in by_rule:
+        (edit,) = fault.edits
+        text = texts[edit.file]
+        begin, patched = edit.begin(text), edit.applied(text)
+        assert patched != text
+        assert patched[:begin] == text[:begin]
+        assert patched[begin + len(edit.new) :] == text[begin + len(edit.old) :]
+    assert len({fault.id for fault in by_rule}) == len(by_rule)
+
+
+def test_what_is_planted_is_python(by_rule):
+    for fault in (*NAMED, *sampled(by_rule, session.EACH)):
+        for text in fault.planted(SOURCES).values():
+            ast.parse(text)
+
+
+def test_the_sample_is_large_and_spread_over_families_and_rules(by_rule):
+    sample = sampled(by_rule, session.EACH)
+    assert len(sample) >= 120
+    count = Counter((fault.family, fault.rule) for fault in sample)
+    assert max(count.values()) == session.EACH
+    assert {rule for _, rule in count} == set(RULES)
+    assert all(len({rule for of, rule in count if of == family}) >= len(RULES) - 1 for family in TRIALS)
+
+
+def test_a_change_elsewhere_in_a_file_draws_no_other_sample(toy):
+    before = {fault.id for fault in sampled(faults(toy, "toy"), 2)}
+    path = toy / "toy" / "kernel.py"
+    path.write_text("import numpy as np\n" + TOY.replace('"a" + "b"', '"a" + "c"'), encoding="utf-8")
+    assert {fault.id for fault in sampled(faults(toy, "toy"), 2)} == before
+
+
+def test_a_named_fault_that_no_longer_fits_its_source_is_refused(toy):
+    with pytest.raises(UsageError, match="0 times, not 1"):
+        Fault("toy", "named", "gone", (Edit("toy/kernel.py", "no such passage", ""),)).planted(toy)
+
+
+def test_the_named_faults_are_many_and_each_is_named_once():
+    assert len(NAMED) >= 25
+    assert set(HISTORIC) <= set(NAMED)
+    assert len({(fault.family, fault.name) for fault in NAMED}) == len({fault.id for fault in NAMED}) == len(NAMED)
+
+
+def test_only_faults_that_exist_are_explained(by_rule):
+    assert set(EXPLAINED) <= {fault.id for fault in (*NAMED, *by_rule)}
+
+
+# Trials.
+
+
+def test_every_trial_is_a_series_of_a_study():
+    for family, trials in TRIALS.items():
+        for trial in trials:
+            study = trial.of(studies.get)
+            assert {type(s.solver).__module__.split(".")[-2] for _, s in study.series()} == {family}
+            assert study in merged([study])
+    with pytest.raises(UsageError, match="does not run 'nobody'"):
+        Trial("advection", "step", "nobody").of(studies.get)
+
+
+def test_merged_trials_keep_every_series():
+    trials = [trial.of(studies.get) for declared in TRIALS.values() for trial in declared]
+    together = merged(trials)
+    assert len({study.name for study in together}) == len(together)
+    assert sum(len(list(study.series())) for study in together) == sum(len(list(study.series())) for study in trials)
+
+
+def test_settings_differ_and_vary_processes_threads_and_seeds():
+    chosen = settings(50)
+    assert len({(s.jobs, s.threads, s.seed) for s in chosen if s.jitter}) == 25
+    assert {s.jobs for s in chosen} == {1, 2, 3}
+    assert {s.threads for s in chosen} == {1, 2, 4}
+
+
+# Fates.
+
+
+def test_deviation_is_relative_to_what_cancels_and_infinite_where_shapes_differ():
+    theirs = transported(advection(Gaussian()).problem, Discretisation(0.125, 0.5), 0.0)
+    assert deviation(theirs, theirs) == 0
+    size = np.abs(theirs.fields["u"]).max()
+    moved = dataclasses.replace(theirs, fields={"u": theirs.fields["u"] + 1e-6 * size})
+    assert deviation(moved, theirs) == pytest.approx(1e-6)
+    assert math.isinf(deviation(dataclasses.replace(theirs, fields={"u": theirs.fields["u"][:, 1:]}), theirs))
+    assert math.isinf(deviation(dataclasses.replace(theirs, dt=1.0), theirs))
+    # A momentum that cancels to 1e-17 is not compared with itself, but with sqrt(2 m E).
+    ones = np.ones(len(theirs.histories["time"]))
+    history = dict(theirs.histories) | {"momentum": 1e-17 * ones, "kinetic_energy": 2 * ones}
+    one = dataclasses.replace(theirs, histories=history)
+    two = dataclasses.replace(theirs, histories=history | {"momentum": 3e-17 * ones})
+    assert deviation(two, one) == pytest.approx(1e-17)
+
+
+@pytest.fixture(scope="module")
+def deck(tmp_path_factory):
+    """A court with the cheapest trial, and its originals."""
+    folder = tmp_path_factory.mktemp("deck")
+    trial = Trial("gehojerez-deck", "deck", "tg-lumped").of(studies.get)
+    none = Baseline(folder / "none.json")
+    assert list(run([trial], Plan(Results(folder), none, jobs=0)))
+    return Court(SOURCES, (trial,), none, folder)
+
+
+TG, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
+FATES = {
+    "killed": (Edit(TG, "return U_k - 0.5 * dt", "return U_k - dt"), Fate.KILLED),
+    "broken": (Edit(TG_SOLVER, "h = problem.lengths[0] / elements", "h = problem.lengths[1] / elements"), Fate.BROKEN),
+    "equivalent": (Edit(TG, "0.5 * dt * (dot(A_k, slope) - S_k)", "dt * (dot(A_k, slope) - S_k) / 2"), Fate.EQUIVALENT),
+    "not-exercised": (Edit(TG_SOLVER, "enters.append([0.5, 0.5 / nZ])", "enters.append([0.5, 0.7 / nZ])"), Fate.NOT_EXERCISED),
+    "survived": (
+        Edit(TG_SOLVER, '"strain_energy": 0.5 * square[:, 0]', '"strain_energy": 0.4 * square[:, 0]'),
+        Fate.SURVIVED,
+    ),
+}
+
+
+@pytest.mark.parametrize(("edit", "fate"), FATES.values(), ids=FATES)
+def test_the_fate_of_a_fault(edit, fate, deck):
+    fortune = deck.judge(Fault("taylor_galerkin", "named", "a fault", (edit,)))
+    assert fortune.fate is fate, fortune
+    assert (fortune.finding is not None) == (fate in (Fate.KILLED, Fate.BROKEN))
+    assert (fortune.deviation > 1e-11) == (fate is Fate.SURVIVED)
+
+
+def _double(number: int) -> int:
+    if number == 3:
+        os._exit(7)
+    return 2 * number
+
+
+def test_a_process_that_dies_takes_no_other_task_with_it():
+    done = dict(each_alone(_double, (1, 2, 3, 4), 2, 60.0, lambda reason: reason, ["mpmverify.errors"]))
+    assert done == {1: 2, 2: 4, 3: "the process died with exit status 7", 4: 8}
+
+
+# What is kept.
+
+
+FAULT = PlantedFault("mpm/term/1", "mpm", "term", "a term", "mpm/laws.py", 3, "a + b", "a", Fate.KILLED, verdict="FAIL")
+RUN = UnmodifiedRun(2, 4, 1e-4, 3, "PASS", 63)
+
+
+def a_test(*fates: Fate, runs: tuple[UnmodifiedRun, ...] = (RUN,), explanation: str = "") -> SelfTest:
+    rows = (dataclasses.replace(FAULT, id=str(k), fate=fate, explanation=explanation) for k, fate in enumerate(fates))
+    return SelfTest("quick", 99, tuple(rows), runs)
+
+
+def test_a_self_test_reads_back_as_it_was_written(tmp_path):
+    test = a_test(*Fate)
+    write_selftest(tmp_path / "selftest.nc", test)
+    assert read_selftest(tmp_path / "selftest.nc") == test
+    (tmp_path / "foreign.nc").write_text("no netCDF", encoding="utf-8")
+    with pytest.raises(ResultsError, match=r"foreign\.nc"):
+        write_selftest(tmp_path / "foreign.nc", test)
+
+
+def test_a_self_test_passes_without_unexplained_survivor_and_false_alarm_alone():
+    assert a_test(Fate.KILLED, Fate.EQUIVALENT).passed
+    assert not a_test(Fate.KILLED, Fate.SURVIVED).passed
+    assert a_test(Fate.KILLED, Fate.SURVIVED, explanation="a driven bar would").passed
+    assert not a_test(Fate.KILLED, runs=(RUN, dataclasses.replace(RUN, verdict="FAIL"))).passed
+    assert not a_test().passed
+    assert not a_test(Fate.KILLED, runs=()).passed
+
+
+def test_the_kill_table_counts_every_fault_once():
+    table = a_test(*Fate, Fate.KILLED).table()
+    assert {rule: sum(fates.values()) for rule, fates in table.items()} == {"term": len(Fate) + 1}
+    assert table["term"][Fate.KILLED] == 2
+
+
+# The session and the command.
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """A self-test of one cheap family, two faults and one unmodified run."""
+    right, wrong = (fault for name, (edit, _) in FATES.items() if name in ("killed", "equivalent")
+                    for fault in [Fault("taylor_galerkin", "named", name, (edit,))])  # fmt: skip
+    monkeypatch.setattr(session, "TRIALS", {"taylor_galerkin": (Trial("gehojerez-deck", "deck", "tg-lumped"),)})
+    monkeypatch.setattr(session, "NAMED", (right, wrong))
+    monkeypatch.setattr(session, "RUNS", {"quick": 1, "full": 1})
+
+
+def invoke(*arguments: str, status: int) -> str:
+    result = CliRunner().invoke(cli, ["selftest", *arguments])
+    assert result.exit_code == status, result.output
+    return result.output
+
+
+@pytest.mark.usefixtures("small")
+def test_the_command_prints_the_kill_table_and_finds_nothing_out_twice(tmp_path, monkeypatch):
+    output = invoke("--out", str(tmp_path), "--jobs", "2", "--explain", status=0)
+    assert "0 unexplained survivors" in output
+    assert "0 false alarms" in output
+    assert "equivalent" in output
+    page = (tmp_path / "report" / "trust.html").read_text(encoding="utf-8")
+    assert "1 of 1 planted faults that change results were caught" in " ".join(page.split()).replace('<span class="of">', "")
+    assert 'href="trust.html"' in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+    monkeypatch.setattr(session, "each_alone", lambda work, tasks, *_: iter(()) if not tasks else pytest.fail("judged again"))
+    monkeypatch.setattr(session, "unmodified", lambda *_: pytest.fail("run again"))
+    invoke("--out", str(tmp_path), status=0)
+
+
+@pytest.mark.usefixtures("small")
+def test_the_command_fails_on_a_survivor_and_on_a_false_alarm(tmp_path, monkeypatch):
+    survivor = Fault("taylor_galerkin", "named", "survivor", (FATES["survived"][0],))
+    monkeypatch.setattr(session, "NAMED", (survivor,))
+    assert "survivor" in invoke("--out", str(tmp_path / "one"), status=1)
+    monkeypatch.setattr(session, "unmodified", lambda *_: dataclasses.replace(RUN, verdict="FAIL", reason="order 1"))
+    output = invoke("--out", str(tmp_path / "two"), status=1)
+    assert "false alarm" in output
+    assert "order 1" in output
+
+
+def test_misuse_of_the_command_is_one_sentence_and_status_2(tmp_path):
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    assert "choose another folder" in invoke("--out", str(tmp_path / "file"), status=2)
+    assert "Traceback" not in invoke("--tier", "none", status=2)
