@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import time
+import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from multiprocessing.connection import Connection, wait
@@ -46,6 +47,11 @@ def each_alone(
         Makes a result of the reason why there is none.
     imports : sequence of str
         Modules that every process needs: imported once where the platform can fork a clean process.
+
+    Raises
+    ------
+    RuntimeError
+        If `work` raised.
     """
     forks = "forkserver" in multiprocessing.get_all_start_methods()
     context: Any = multiprocessing.get_context("forkserver" if forks else "spawn")
@@ -81,7 +87,9 @@ def each_alone(
 
 def _received(connection: Connection, process: Any, failed: Callable[[str], R]) -> R:
     try:
-        result: R = connection.recv()
+        result: R | Exception = connection.recv()
+        if isinstance(result, Exception):
+            raise result  # no verdict on the task: the judge itself is wrong
         return result
     except (EOFError, ConnectionResetError):
         process.join()
@@ -95,4 +103,8 @@ def _end(connection: Connection, process: Any) -> None:
 
 
 def _serve(connection: Connection, work: Callable[[T], R], task: T) -> None:
-    connection.send(work(task))
+    try:
+        connection.send(work(task))
+    except Exception as error:
+        traceback.print_exc()
+        connection.send(RuntimeError(f"{type(error).__name__}: {error}"))

@@ -14,7 +14,7 @@ from mpmverify.baseline import Baseline
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.kill_table import Fate
 from mpmverify.dataset.runs import read_run
-from mpmverify.errors import MpmverifyError
+from mpmverify.errors import UsageError
 from mpmverify.gate import Finding, Verdict
 from mpmverify.runner import Plan, run, tasks_of
 from mpmverify.selftest.faults import Edit, Fault
@@ -87,22 +87,23 @@ class Court:
         worst: Finding | None = None
         regression: Finding | None = None
         deviation = 0.0
-        try:
-            with planted(fault, self.sources, folder) as package:
-                for k, trial in enumerate(self.trials, start=1):
+        with planted(fault, self.sources, folder) as package:
+            for k, trial in enumerate(self.trials, start=1):
+                results = Results(folder / f"trial-{k}")
+                try:
                     faulty = replanted(trial, package)
-                    results = Results(folder / f"trial-{k}")
+                except Exception as error:  # what a fault does when it is imported is its own affair
+                    return Fortune(Fate.BROKEN, reason=f"{type(error).__name__}: {error}", trials=k)
+                try:
                     findings = self._findings(faulty, results)
-                    if killer := _killer(findings, "verification"):
-                        crashed = f": {Status.CRASHED}" in killer.reason
-                        return Fortune(Fate.BROKEN if crashed else Fate.KILLED, killer, deviation=deviation, trials=k)
-                    regression = regression or _killer(findings, "regression")
-                    worst = worst or next((f for f in findings if f.verdict is not Verdict.PASS), None)
-                    deviation = max(deviation, *self._deviations(trial, faulty, results))
-        except MpmverifyError as error:
-            return Fortune(Fate.BROKEN, reason=f"the solver refuses the problem: {error}")
-        except Exception as error:  # what a fault does on import is its own affair
-            return Fortune(Fate.BROKEN, reason=f"{type(error).__name__}: {error}")
+                except UsageError as error:
+                    return Fortune(Fate.BROKEN, reason=f"it refuses the problem: {error}", deviation=deviation, trials=k)
+                if killer := _killer(findings, "verification"):
+                    crashed = f": {Status.CRASHED}" in killer.reason
+                    return Fortune(Fate.BROKEN if crashed else Fate.KILLED, killer, deviation=deviation, trials=k)
+                regression = regression or _killer(findings, "regression")
+                worst = worst or next((f for f in findings if f.verdict is not Verdict.PASS), None)
+                deviation = max(deviation, *self._deviations(trial, faulty, results))
         if regression:
             return Fortune(Fate.REGRESSION, regression, deviation=deviation, trials=len(self.trials))
         fate = Fate.EQUIVALENT if deviation <= ROUND_OFF else Fate.SURVIVED
