@@ -182,6 +182,17 @@ def test_a_level_is_known_by_all_that_discretises_it(column):
     assert not {name for name, _ in levels(seen)} & {name for name, _ in levels(other)}
 
 
+def test_a_level_is_known_by_the_jitter_and_the_seed_of_its_particles_where_there_is_any():
+    seen = evidence()
+    none, one = np.zeros(len(seen.h)), np.ones(len(seen.h), dtype=int)
+    names = [
+        tuple(name for name, _ in levels(dataclasses.replace(seen, jitter=jitter, seed=seed)))
+        for jitter, seed in ((None, None), (none, 0 * one), (none + 1e-3, one), (none + 1e-3, 2 * one), (none + 2e-3, one))
+    ]
+    assert names[0] == names[1]
+    assert len(set(names)) == 4
+
+
 def test_a_baseline_holds_its_own_numbers_and_not_the_arrays_that_it_was_made_of():
     """Accepting must not tie the baseline to what is judged next: compared with itself everything passes."""
     seen = evidence()

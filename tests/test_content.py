@@ -67,7 +67,7 @@ def test_solver_and_discretisation_change_the_key():
     keys = [KEY, run_key(PROBLEM, TaylorGalerkin(passes=3), LEVEL)]
     keys += [
         run_key(PROBLEM, TaylorGalerkin(), dataclasses.replace(LEVEL, **change))
-        for change in ({"h": 0.25}, {"courant": 0.4}, {"ppc": 2})
+        for change in ({"h": 0.25}, {"courant": 0.4}, {"ppc": 2}, {"jitter": 0.1}, {"jitter": 0.1, "seed": 1})
     ]
     assert len(set(keys)) == len(keys)
 

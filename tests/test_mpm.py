@@ -371,3 +371,28 @@ def test_a_choice_that_does_not_exist_raises(choice):
 def test_a_problem_that_the_solver_cannot_take_raises(problem, takes):
     with pytest.raises(UsageError, match=takes):
         MaterialPoint().solve(problem, Discretisation(1.0, 0.5))
+
+
+# Places of the particles.
+
+
+@given(st.floats(1e-6, 0.499), st.integers(0, 2**32), st.integers(1, 4))
+def test_jitter_moves_particles_by_no_more_than_it_says_and_by_its_seed_alone(jitter, seed, ppc):
+    level = Discretisation(1.0, 0.5, ppc)
+    still, moved, again = (
+        solver.place_particles(bar(), 1.0, 10, at).reference
+        for at in (level, replace(level, jitter=jitter, seed=seed), replace(level, jitter=jitter, seed=seed))
+    )
+    assert np.array_equal(moved, again)
+    assert 0 < np.abs(moved - still).max() <= jitter / ppc * (1 + 1e-12)
+    assert np.array_equal(np.floor(moved), np.floor(still))
+    other = solver.place_particles(bar(), 1.0, 10, replace(level, jitter=jitter, seed=seed + 1)).reference
+    assert not np.array_equal(other, moved)
+
+
+@pytest.mark.parametrize(
+    ("choices", "said"), [({"jitter": 0.5}, "jitter"), ({"jitter": -0.1}, "jitter"), ({"seed": 3}, "needs a jitter")]
+)
+def test_a_jitter_that_would_leave_the_cell_and_a_seed_without_one_are_refused(choices, said):
+    with pytest.raises(UsageError, match=said):
+        Discretisation(1.0, 0.5, **choices)

@@ -20,7 +20,9 @@ from jinja2 import meta
 from mpmverify.baseline import Baseline
 from mpmverify.criteria import Balance, Order
 from mpmverify.dataset.files import Results
+from mpmverify.dataset.kill_table import Fate, PlantedFault, SelfTest, UnmodifiedRun
 from mpmverify.dataset.level import Level, Snapshots
+from mpmverify.dataset.selftest import write_selftest
 from mpmverify.dataset.study import build, write_study
 from mpmverify.dataset.verdicts import declare, findings, judged
 from mpmverify.errors import ResultsError
@@ -29,7 +31,7 @@ from mpmverify.problem import Discretisation, Periodic, Problem, Transport
 from mpmverify.reports import charts, render
 from mpmverify.reports.equations import mathml
 from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs
-from mpmverify.reports.pages import IndexPage, StudyPage
+from mpmverify.reports.pages import IndexPage, StudyPage, TrustPage
 from mpmverify.reports.site import TEMPLATES, environment
 from mpmverify.study import Case, Refinement, Series, Study
 
@@ -99,11 +101,30 @@ def store(results: Results, declared: Study) -> list:
     return findings(tree)
 
 
+FAULTS = tuple(
+    PlantedFault(
+        f"mpm/{rule}/{k}",
+        "mpm",
+        rule,
+        f"fault {k} {HOSTILE}",
+        "mpm/laws.py",
+        k,
+        f"before {k} {HOSTILE}",
+        f"after {k}",
+        fate,
+        reason=f"reason {k} {HOSTILE}",
+    )
+    for k, (rule, fate) in enumerate((rule, fate) for rule in ("named", "term") for fate in Fate)
+)
+SELF_TEST = SelfTest("full", 999, FAULTS, (UnmodifiedRun(2, 4, 1e-4, 7, "FAIL", 63, f"alarm {HOSTILE}"),))
+
+
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, list]:
     results = Results(tmp_path_factory.mktemp("results"))
     table = store(results, study()) + store(results, study("second", ("good",)))
     results.run("good-64").write_bytes(b"")
+    write_selftest(results.selftest, SELF_TEST)
     render(results)
     return results, table
 
@@ -194,7 +215,7 @@ def test_pages_are_well_formed_with_unique_identifiers(stored: tuple[Results, li
 def test_every_link_leads_somewhere_and_nothing_is_loaded_from_elsewhere(stored: tuple[Results, list]) -> None:
     results, _ = stored
     known = pages(results)
-    assert known.keys() == {"index.html", "sample.html", "second.html"}
+    assert known.keys() == {"index.html", "sample.html", "second.html", "trust.html"}
     for name, page in known.items():
         for link in page.links:
             if link.startswith("https://doi.org/"):
@@ -293,7 +314,31 @@ def test_a_page_shows_the_fields_of_its_value_and_nothing_else() -> None:
             assert engine.loader is not None
             names |= meta.find_undeclared_variables(engine.parse(engine.loader.get_source(engine, part)[0]))
         assert names == {field.name for field in dataclasses.fields(kind)}, template
-    assert set(TEMPLATES) == {IndexPage, StudyPage}
+    assert set(TEMPLATES) == {IndexPage, StudyPage, TrustPage}
+
+
+def test_every_planted_fault_and_every_false_alarm_is_shown(stored: tuple[Results, list]) -> None:
+    shown = " ".join(pages(stored[0])["trust.html"].text)
+    for fault in FAULTS:
+        assert all(part in shown for part in (fault.name, fault.before, fault.after, fault.fate.value, fault.reason))
+    assert SELF_TEST.alarms[0].reason in shown
+    assert "6 of 8" in shown
+    assert "How far to trust this" in " ".join(pages(stored[0])["index.html"].text)
+
+
+def test_the_page_of_a_self_test_comes_and_goes_with_its_file(fresh: Results) -> None:
+    render(fresh)
+    assert not (fresh.report / "trust.html").exists()
+    write_selftest(fresh.selftest, SELF_TEST)
+    render(fresh)
+    assert (fresh.report / "trust.html").exists()
+    before = stamps(fresh)
+    render(fresh)
+    assert stamps(fresh) == before
+    fresh.selftest.unlink()
+    render(fresh)
+    assert not (fresh.report / "trust.html").exists()
+    assert "trust.html" not in (fresh.report / "index.html").read_text(encoding="utf-8")
 
 
 def stamps(results: Results) -> dict[str, int]:
