@@ -1,6 +1,6 @@
 """The manufactured neo-Hookean bar: large deformation with and without cell crossing."""
 
-from mpmverify.criteria import Order, Published, Stall
+from mpmverify.criteria import EnergyDrift, Order, Published, Stall
 from mpmverify.exact.manufactured import manufactured
 from mpmverify.gate import Criterion
 from mpmverify.solution import Solver
@@ -41,6 +41,9 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
         return (
             Order("displacement", "L2-max", p + 0.85, p + 1.15, v.FEM_SOURCE),
             Order("stress", "L2-max", p - 0.1, p + 0.15, v.FEM_SOURCE),
+            EnergyDrift(
+                1.8, "central differences keep the energy less the work of the loads up to O(dt^2): Hughes (1987), chapter 9"
+            ),
         )
     assert isinstance(solver, MaterialPoint)
     if solver.flip == 0:
@@ -48,9 +51,10 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
     if solver.flip < 1:
         return (Order("displacement", "L2-max", 0.9, 2.1, v.BLEND_SOURCE),)
     displacement = Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE)
+    energy = EnergyDrift(1.8, v.ENERGY_SOURCE)
     if solver.degree == 1:
-        return (displacement, Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE))
-    return (displacement, Order("stress", "L2-max", 1.5, 2.15, v.MPM_SOURCE))
+        return (displacement, Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE), energy)
+    return (displacement, Order("stress", "L2-max", 1.5, 2.15, v.MPM_SOURCE), energy)
 
 
 TOTAL: tuple[Solver, ...] = tuple(solver for solver in v.MPM if solver.formulation == "total")

@@ -8,12 +8,15 @@ import numpy as np
 from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
 from mpmverify.criteria.judging import are_sizes, judge_largest, relative_defect
 from mpmverify.gate import Evidence, Judgement, Setting, Verdict
+from mpmverify.problem import LinearElastic
 from mpmverify.solution import Solution
 
 
 @dataclass(frozen=True)
 class Balance:
     """A history equals its source term to round-off: mass is constant, momentum changes by the impulse.
+
+    The mass of a body is that of its reference density; other stocks are what they are at first.
 
     Parameters
     ----------
@@ -49,7 +52,10 @@ class Balance:
             return {}
         stock = solution.histories[self.stock]
         change = solution.histories[self.source_term] if self.source_term else np.zeros_like(stock)
-        defect = stock - stock[0] - (change - change[0])
+        problem = setting.problem.problem
+        body = problem.material if self.stock == "mass" else None
+        start = body.density * np.prod(problem.lengths) if isinstance(body, LinearElastic) else stock[0]
+        defect = stock - start - (change - change[0])
         scales = [np.max(np.abs(stock)), np.max(np.abs(change))]
         if self.stock == "momentum" and {"mass", "kinetic_energy"} <= solution.histories.keys():
             # The terms that cancel set the scale of round-off: a momentum of zero is a difference of large ones.

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from mpmverify.selftest.faults import Fault
 from mpmverify.solution import Solver
@@ -32,6 +33,7 @@ def planted(fault: Fault, sources: Path, folder: Path) -> Iterator[str]:
     """
     import numba
 
+    settings: Any = numba.config
     name = f"planted_{secrets.token_hex(8)}"
     package = folder / name
     skipped = shutil.ignore_patterns("__pycache__")
@@ -39,14 +41,14 @@ def planted(fault: Fault, sources: Path, folder: Path) -> Iterator[str]:
     (package / "__init__.py").touch()
     for file, text in fault.planted(sources).items():
         (package / file).write_text(text, encoding="utf-8")
-    compiled, numba.config.CACHE_DIR = numba.config.CACHE_DIR, ""  # beside the copy, wherever the environment wants it
+    compiled, settings.CACHE_DIR = settings.CACHE_DIR, ""  # beside the copy, wherever the environment wants it
     sys.path.insert(0, str(folder))
     importlib.invalidate_caches()
     try:
         yield name
     finally:
         sys.path.remove(str(folder))
-        numba.config.CACHE_DIR = compiled
+        settings.CACHE_DIR = compiled
         for module in [module for module in sys.modules if module.partition(".")[0] == name]:
             del sys.modules[module]
 
