@@ -88,6 +88,8 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(BAR, "pulse", "tg-consistent-3"),
         Trial(ADVECTION, "step", "tg-lumped"),
         Trial(ADVECTION, "step", "tg-consistent-3"),
+        Trial(DRIVEN, "open-left", "tg-lumped"),
+        Trial(DRIVEN, "open-left", "tg-consistent-3"),
         Trial(VIBRATION, "literature", "tg-lumped"),
         Trial(VIBRATION, "literature", "tg-consistent-3"),
         Trial(BAR, "step", "tg-consistent-3"),
