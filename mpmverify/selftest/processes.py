@@ -1,7 +1,9 @@
 """One process for each fault: a fault may hang, kill its process or spoil its memory, and the next one never knows."""
 
+import contextlib
 import multiprocessing
 import os
+import signal
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -103,8 +105,11 @@ def _end(connection: Connection, process: Any) -> None:
 
 
 def _serve(connection: Connection, work: Callable[[T], R], task: T) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        connection.send(work(task))
+        result: Any = work(task)
     except Exception as error:
         traceback.print_exc()
-        connection.send(RuntimeError(f"{type(error).__name__}: {error}"))
+        result = RuntimeError(f"{type(error).__name__}: {error}")
+    with contextlib.suppress(BrokenPipeError):  # nobody waits any more
+        connection.send(result)
