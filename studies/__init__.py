@@ -6,7 +6,16 @@ from pathlib import Path
 from mpmverify.errors import UsageError
 from mpmverify.study import Study
 
-NAMES = ("advection", "elastic-bar", "gehojerez-deck", "axial-vibration", "manufactured-1d", "driven-bar", "dispersion", "error-sources")
+NAMES = (
+    "advection",
+    "elastic-bar",
+    "gehojerez-deck",
+    "axial-vibration",
+    "manufactured-1d",
+    "driven-bar",
+    "dispersion",
+    "error-sources",
+)
 BASELINE = Path(__file__).with_name("baseline.json")
 """Accepted errors of the regression gate."""
 

@@ -13,7 +13,7 @@ import xarray as xr
 from click.testing import CliRunner
 from faulty_solvers import Scripted, study
 
-from mpmverify import cli, display, pool, studies
+from mpmverify import cli, display, pool, reports, studies
 from mpmverify.dataset.study import read_study
 from mpmverify.gate import Finding, Verdict
 from mpmverify.summary import STEP_SUMMARY
@@ -34,7 +34,7 @@ def bench(monkeypatch):
     for name, declared in STUDIES.items():
         monkeypatch.setitem(sys.modules, f"mpmverify.studies.{name}", SimpleNamespace(STUDY=declared))
     monkeypatch.setattr(pool, "over_processes", lambda tasks, jobs, timeout: pool.inline(tasks))
-    monkeypatch.setattr(cli, "_render", lambda results, fresh=False: results.report / "index.html")
+    monkeypatch.setattr(reports, "render", lambda results, fresh=False: results.report / "index.html")
 
 
 def call(*arguments, **environment):

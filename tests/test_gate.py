@@ -471,7 +471,7 @@ def setting(problem, h=0.1, **fields) -> Setting:
 
 
 COURANT = 0.5
-BAR_PROBLEM = Problem("bar", (0.0,), (1.0,), LinearElastic(1.0, 1.0), {"x-": Traction(), "x+": Traction()}, 1.0)
+BAR_PROBLEM = Problem("bar", (0.0,), (1.0,), LinearElastic(1.0, 2.0), {"x-": Traction(), "x+": Traction()}, 1.0)
 BAR = setting(BAR_PROBLEM)
 N = 11
 
@@ -514,6 +514,11 @@ def test_a_loss_at_any_time_is_measured_relative_to_what_there_is(loss, when):
     assert abs(loss) / 5 < momentum < abs(loss) / 2.9
     drift = ENERGY.measure(histories(external_work=kick), BAR)["energy_drift"]
     assert drift == pytest.approx(abs(loss), rel=1e-6)
+
+
+def test_the_mass_of_a_body_is_that_of_its_density_from_the_start():
+    assert MASS.measure(histories(mass=np.full(N, -2.0)), BAR)["mass_defect"] == pytest.approx(2)
+    assert MASS.measure(histories(mass=np.full(N, 2.5)), BAR)["mass_defect"] == pytest.approx(0.2)
 
 
 def test_momentum_is_relative_to_the_momenta_that_cancel_in_it_and_mass_is_not():

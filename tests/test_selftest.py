@@ -208,7 +208,7 @@ FATES = {
     "killed": (Edit(TG, "return U_k - 0.5 * dt", "return U_k - dt"), Fate.KILLED),
     "broken": (Edit(TG_SOLVER, "h = problem.lengths[0] / elements", "h = problem.lengths[1] / elements"), Fate.BROKEN),
     "equivalent": (Edit(TG, "0.5 * dt * (dot(A_k, slope) - S_k)", "dt * (dot(A_k, slope) - S_k) / 2"), Fate.EQUIVALENT),
-    "not-exercised": (Edit(TG_SOLVER, "enters.append([0.5, 0.5 / nZ])", "enters.append([0.5, 0.7 / nZ])"), Fate.NOT_EXERCISED),
+    "not-exercised": (Edit(TG_SOLVER, "[[1.0, nZ], [0.5, 0.5 / nZ],", "[[1.0, nZ], [0.5, 0.7 / nZ],"), Fate.NOT_EXERCISED),
     "survived": (
         Edit(TG_SOLVER, '"strain_energy": 0.5 * square[:, 0]', '"strain_energy": 0.4 * square[:, 0]'),
         Fate.SURVIVED,

@@ -1,0 +1,28 @@
+"""Command line: every command parses, calls the library, displays or aborts; heavy imports stay inside."""
+
+from typing import NoReturn
+
+import click
+
+from mpmverify import __version__
+from mpmverify.cli.group import Group
+from mpmverify.cli.judging import baseline, compare, gate, report
+from mpmverify.cli.options import EPILOG
+from mpmverify.cli.solving import list_, run, selftest
+from mpmverify.cli.table import judge
+
+
+@click.group(cls=Group, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="mpmverify")
+def cli() -> None:
+    """Prove that a wave solver is right: convergence studies, accuracy gates and reports."""
+
+
+for command in (list_, run, gate, report, compare, baseline, judge, selftest):
+    cli.add_command(command)
+
+
+def main() -> NoReturn:
+    """Run the command line."""
+    cli(prog_name="mpmverify")
+    raise AssertionError("click exits by itself")

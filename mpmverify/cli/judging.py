@@ -1,0 +1,146 @@
+"""Commands that read stored results: judge, render, compare and accept them; nothing is run."""
+
+import os
+import sys
+import webbrowser
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+
+from mpmverify.cli.group import Group
+from mpmverify.cli.options import (
+    EPILOG,
+    baseline_option,
+    explain_option,
+    open_option,
+    out_option,
+    render,
+    shipped_baseline,
+    stored,
+    studies_argument,
+)
+from mpmverify.errors import UsageError
+
+
+@click.command(epilog=EPILOG)
+@studies_argument
+@out_option
+@baseline_option
+@click.option("--junit", type=click.Path(path_type=Path, dir_okay=False), help="Write JUnit XML here.")
+@click.option(
+    "--summary",
+    type=click.Path(path_type=Path, dir_okay=False),
+    envvar="GITHUB_STEP_SUMMARY",
+    help="Append a Markdown summary here  [default: $GITHUB_STEP_SUMMARY]",
+)
+@click.option("--strict", is_flag=True, help="Exit with 4 when a verdict is inconclusive.")
+@explain_option
+def gate(
+    studies: tuple[str, ...],
+    out: Path,
+    baseline: Path | None,
+    junit: Path | None,
+    summary: Path | None,
+    strict: bool,
+    explain: bool,
+) -> None:
+    """Judge stored results; nothing is run and nothing is changed.
+
+    On GitHub ($GITHUB_ACTIONS is "true") the worst ten findings become annotations.
+    """
+    from mpmverify import summary as summaries
+    from mpmverify.baseline import read_baseline
+    from mpmverify.dataset.study import read_study
+    from mpmverify.dataset.verdicts import findings as findings_of
+    from mpmverify.dataset.verdicts import judged
+    from mpmverify.display import show
+    from mpmverify.gate import exit_status
+
+    accepted = read_baseline(baseline or shipped_baseline())
+    findings = [f for path in stored(out, studies) for f in findings_of(judged(read_study(path), accepted))]
+    if junit:
+        with _opened(junit, "wb") as file:
+            file.write(summaries.junit(findings))
+    if summary:
+        with _opened(summary, "ab") as file:
+            text = summaries.markdown(findings, summaries.STEP_SUMMARY - (file.tell() if file.seekable() else 0))
+            file.write(text.encode())
+        if not text:
+            click.echo(f"'{summary}' is full: no verdicts were added to it.", err=True)
+    show(findings, explain=explain)
+    if os.environ.get("GITHUB_ACTIONS") == "true":
+        for command in summaries.annotations(findings, out):
+            click.echo(command)
+    sys.exit(exit_status([finding.verdict for finding in findings], strict=strict))
+
+
+@click.command()
+@out_option
+@open_option
+def report(out: Path, open_: bool) -> None:
+    """Render the report anew from the stored results alone."""
+    from mpmverify.dataset.files import Results
+
+    stored(out, ())
+    page = render(Results(out), fresh=True)
+    click.echo(f"Report: {page}")
+    if open_:
+        webbrowser.open(page.resolve().as_uri())
+
+
+@click.command(epilog="Exit status: 0 nothing is worse or lost, 1 something is, 2 usage.")
+@click.argument("before", metavar="A", type=click.Path(path_type=Path))
+@click.argument("after", metavar="B", type=click.Path(path_type=Path))
+@click.option("--explain", is_flag=True, help="Print every change.")
+def compare(before: Path, after: Path, explain: bool) -> None:
+    """Say what became worse, slower, lost, new, faster or better from the results in A to those in B.
+
+    Nothing is run: verdicts, errors, orders, steps and seconds are those in the files.
+    """
+    from mpmverify import comparison
+    from mpmverify.dataset.tables import read_tables
+    from mpmverify.display import show_comparison
+
+    if before.resolve() == after.resolve():
+        raise UsageError(f"A and B are both '{before}': name two results folders")
+    a, b = (read_tables(stored(path, ())) for path in (before, after))
+    compared = comparison.compare(a, b)
+    show_comparison(compared, explain=explain)
+    sys.exit(compared.exit_status)
+
+
+@click.group(cls=Group)
+def baseline() -> None:
+    """Manage the baseline of the regression gate."""
+
+
+@baseline.command()
+@studies_argument
+@out_option
+@baseline_option
+@click.option("--reason", required=True, help="Why the errors may change; kept in the baseline.")
+def accept(studies: tuple[str, ...], out: Path, baseline: Path | None, reason: str) -> None:
+    """Take the stored errors over into the baseline."""
+    from mpmverify.baseline import read_baseline
+    from mpmverify.dataset.study import read_study
+    from mpmverify.dataset.verdicts import accepted
+
+    if not reason.strip():
+        raise UsageError("--reason must say why the errors may change")
+    known = read_baseline(baseline or shipped_baseline())
+    trees = [read_study(path) for path in stored(out, studies)]
+    count = accepted(known, trees, reason.strip())
+    known.write()
+    click.echo(f"Accepted {count} series into {known.path}")
+
+
+@contextmanager
+def _opened(path: Path, mode: str) -> Iterator[Any]:
+    try:
+        with path.open(mode) as file:
+            yield file
+    except OSError as error:
+        raise UsageError(f"cannot write '{path}' ({error.strerror}): choose another file") from error

@@ -1,0 +1,61 @@
+"""What several commands take, and where it leads."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mpmverify.errors import UsageError
+
+if TYPE_CHECKING:
+    from mpmverify.dataset.files import Results
+
+EPILOG = "Exit status: 0 pass, 1 a gate failed, 2 usage, 3 a run erred, 4 inconclusive under --strict."
+
+
+def positive(_ctx: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
+    """Accept a positive finite number or nothing."""
+    if value is not None and not (math.isfinite(value) and value > 0):
+        raise click.BadParameter(f"must be positive and finite, not {value:g}", param=parameter)
+    return value
+
+
+out_option = click.option(
+    "--out", type=click.Path(path_type=Path), default=Path("results"), show_default=True, help="Results folder."
+)
+baseline_option = click.option(
+    "--baseline", type=click.Path(path_type=Path), help="Baseline of the regression gate  [default: the shipped one]"
+)
+studies_argument = click.argument("studies", metavar="[STUDY]...", nargs=-1)
+jobs_option = click.option("--jobs", type=click.IntRange(min=1), help="Worker processes  [default: one a processor]")
+explain_option = click.option(
+    "--explain", is_flag=True, help="Print the reason of every verdict, and where its expectation comes from."
+)
+open_option = click.option("--open", "open_", is_flag=True, help="Open the report in the browser.")
+
+
+def shipped_baseline() -> Path:
+    from mpmverify import studies
+
+    return studies.BASELINE
+
+
+def stored(out: Path, names: Sequence[str]) -> list[Path]:
+    from mpmverify.dataset.files import Results
+
+    results = Results(out)
+    paths = [results.study(name) for name in dict.fromkeys(names)] if names else results.studies()
+    for path in paths:
+        if not path.exists():
+            raise UsageError(f"no results of {path.stem!r} in '{out}': run `mpmverify run {path.stem} --out {out}` first")
+    if not paths:
+        raise UsageError(f"no results in '{out}': run `mpmverify run --out {out}` first")
+    return paths
+
+
+def render(results: "Results", *, fresh: bool = False) -> Path:
+    from mpmverify.reports import render
+
+    return render(results, fresh=fresh)

@@ -1,0 +1,153 @@
+"""Commands that solve: list the studies, run them, plant faults in their solvers."""
+
+import sys
+import webbrowser
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mpmverify.cli.options import (
+    EPILOG,
+    baseline_option,
+    explain_option,
+    jobs_option,
+    open_option,
+    out_option,
+    positive,
+    render,
+    shipped_baseline,
+    studies_argument,
+)
+from mpmverify.errors import UsageError
+
+if TYPE_CHECKING:
+    from mpmverify.gate import Finding
+    from mpmverify.study import Study
+
+
+@click.command("list")
+def list_() -> None:
+    """List the studies, their cases and solvers."""
+    from mpmverify import studies
+
+    for name in studies.NAMES:
+        study = studies.get(name)
+        click.echo(f"{name}: {study.title}")
+        click.echo(f"  cases    {', '.join(case.name for case in study.cases)}")
+        click.echo(f"  solvers  {', '.join(study.solver_names())}")
+
+
+@click.command(epilog=EPILOG)
+@studies_argument
+@out_option
+@baseline_option
+@jobs_option
+@click.option("--scheduler", default="", metavar="ADDRESS", help="Run on a dask.distributed scheduler.")
+@click.option("--tier", type=click.Choice(["quick", "full"]), default="quick", show_default=True, help="How many levels.")
+@click.option("--solver", "solvers", multiple=True, metavar="NAME", help="Run this solver alone; may be repeated.")
+@click.option("--courant", type=float, callback=positive, help="Run every level at this Courant number instead.")
+@click.option("--timeout", type=float, callback=positive, default=600.0, show_default=True, help="Limit for one run [s].")
+@click.option("--no-cache", is_flag=True, help="Solve again what is already solved.")
+@explain_option
+@open_option
+def run(
+    studies: tuple[str, ...],
+    out: Path,
+    baseline: Path | None,
+    jobs: int | None,
+    scheduler: str,
+    tier: str,
+    solvers: tuple[str, ...],
+    courant: float | None,
+    timeout: float,
+    no_cache: bool,
+    explain: bool,
+    open_: bool,
+) -> None:
+    """Solve what is not solved yet, judge it, and write datasets and the report.
+
+    Without STUDY, all studies run.
+    """
+    from mpmverify.baseline import read_baseline
+    from mpmverify.dataset.files import Results
+    from mpmverify.display import Progress, show
+    from mpmverify.gate import exit_status
+    from mpmverify.pool import processors
+    from mpmverify.runner import Plan
+    from mpmverify.runner import run as run_studies
+
+    plan = Plan(
+        results=Results(out),
+        baseline=read_baseline(baseline or shipped_baseline()),
+        tier=tier,
+        jobs=jobs or processors(),
+        timeout=timeout,
+        reuse=not no_cache,
+        scheduler=scheduler,
+    )
+    chosen = _chosen(studies, solvers, courant)
+    names = [study.name for study in chosen]
+    findings: list[Finding] = []
+    solved = reused = 0
+    with Progress() as progress:
+        for judged in run_studies(chosen, plan, progress.update):
+            findings += judged.findings
+            solved, reused = solved + judged.solved, reused + judged.reused
+    findings.sort(key=lambda finding: names.index(finding.study))
+    page = render(plan.results)
+    show(findings, explain=explain)
+    click.echo(f"{solved} runs solved, {reused} already at hand.")
+    click.echo(f"Report: {page}")
+    if open_:
+        webbrowser.open(page.resolve().as_uri())
+    sys.exit(exit_status([finding.verdict for finding in findings]))
+
+
+@click.command(epilog="Exit status: 0 every fault was caught or is explained and nothing passed wrongly, 1 otherwise, 2 usage.")
+@out_option
+@baseline_option
+@click.option("--jobs", type=click.IntRange(min=1), help="Faults at a time  [default: one a processor]")
+@click.option(
+    "--tier",
+    type=click.Choice(["quick", "full"]),
+    default="quick",
+    show_default=True,
+    help="The named faults alone, or those by rule, too.",
+)
+@click.option("--explain", is_flag=True, help="Print what killed every fault.")
+def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, explain: bool) -> None:
+    """Plant faults in the shipped solvers and see that the studies catch them; and that they pass the unmodified ones.
+
+    What is known of a fault is kept: an interrupted self-test goes on where it was.
+    """
+    from mpmverify import solvers, studies
+    from mpmverify.baseline import read_baseline
+    from mpmverify.dataset.files import Results
+    from mpmverify.dataset.selftest import write_selftest
+    from mpmverify.display import Progress, show_selftest
+    from mpmverify.pool import processors
+    from mpmverify.selftest.session import Session
+
+    results, accepted = Results(out), read_baseline(baseline or shipped_baseline())
+    results.create()
+    sources = Path(solvers.__file__).parent
+    with Progress() as progress:
+        test = Session(results, studies.get, sources, accepted, tier, jobs or processors()).run(progress.update)
+    write_selftest(results.selftest, test)
+    show_selftest(test, explain=explain)
+    click.echo(f"Report: {render(results)}")
+    sys.exit(0 if test.passed else 1)
+
+
+def _chosen(names: Sequence[str], solvers: tuple[str, ...], courant: float | None) -> "list[Study]":
+    from mpmverify import studies
+
+    declared = [studies.get(name) for name in dict.fromkeys(names or studies.NAMES)]
+    known = {solver for study in declared for solver in study.solver_names()}
+    for solver in solvers:
+        if solver not in known:
+            raise UsageError(f"unknown solver {solver!r}: choose from {', '.join(sorted(known))}")
+    restricted = [study.restricted(solvers, courant) for study in declared]
+    return [study for study in restricted if study.cases]
