@@ -86,11 +86,6 @@ def show_selftest(test: SelfTest, *, explain: bool = False) -> None:
     )
 
 
-def _console() -> Console:
-    console = Console()
-    return console if console.is_terminal else Console(width=140)
-
-
 def show(findings: Sequence[Finding], *, explain: bool = False) -> None:
     """Print the matrix of solver by study, then what is no PASS (with `explain`, everything), with the reason."""
     console = _console()
