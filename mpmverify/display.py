@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
-from rich.table import Table
+from rich.table import Column, Table
 
 from mpmverify.change import Change, Direction, Kind
 from mpmverify.comparison import Comparison
@@ -19,6 +19,8 @@ from mpmverify.gate import Finding, Judgement, Verdict
 from mpmverify.summary import counts, matrix, ranked
 
 STYLES = {Verdict.PASS: "green", Verdict.INCONCLUSIVE: "yellow", Verdict.FAIL: "bold red", Verdict.ERROR: "bold magenta"}
+WIDTH = 180
+"""Of lines for nobody's terminal: a matrix of eight studies and the longest names of solvers."""
 LISTED = 20
 """Verdicts explained below the table unless all are asked for."""
 COLOURS = {
@@ -90,7 +92,7 @@ def show(findings: Sequence[Finding], *, explain: bool = False) -> None:
     """Print the matrix of solver by study, then what is no PASS (with `explain`, everything), with the reason."""
     console = _console()
     studies = list(dict.fromkeys(finding.study for finding in findings))
-    table = Table("solver", *(escape(study) for study in studies))
+    table = Table(Column("solver", overflow="fold"), *(escape(study) for study in studies))
     for solver, row in matrix(findings).items():
         table.add_row(escape(solver), *(f"[{STYLES[row[s]]}]{row[s]}[/]" if s in row else "[dim]-[/]" for s in studies))
     console.print(table)
@@ -164,4 +166,4 @@ def _by(change: Change) -> str:
 
 def _console() -> Console:
     console = Console()
-    return console if console.is_terminal else Console(width=140)
+    return console if console.is_terminal else Console(width=WIDTH)
