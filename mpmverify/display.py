@@ -17,6 +17,7 @@ from mpmverify.comparison import Comparison
 from mpmverify.dataset.kill_table import Fate, SelfTest
 from mpmverify.gate import Finding, Judgement, Verdict
 from mpmverify.summary import counts, matrix, ranked
+from mpmverify.synthetic import total
 
 STYLES = {Verdict.PASS: "green", Verdict.INCONCLUSIVE: "yellow", Verdict.FAIL: "bold red", Verdict.ERROR: "bold magenta"}
 WIDTH = 180
@@ -86,6 +87,13 @@ def show_selftest(test: SelfTest, *, explain: bool = False) -> None:
         f"{len(test.runs)} unmodified runs, {len(test.alarms)} false alarms.",
         highlight=False,
     )
+    for name, rates in (("series", test.rates.series), ("designs", test.rates.designs)):
+        if rates:
+            every = total(rates)
+            shares = (
+                f"{every.wrong_pass / every.series:.2%} passed wrongly, {every.wrong_fail / every.series:.2%} failed wrongly"
+            )
+            console.print(f"{every.series} random {name} of known truth: {shares}.", highlight=False)
 
 
 def show(findings: Sequence[Finding], *, explain: bool = False) -> None:

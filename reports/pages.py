@@ -15,6 +15,7 @@ from .parts import (
     OrderTable,
     Origin,
     Plain,
+    RateTable,
     Row,
     RunRow,
     Scheme,
@@ -150,6 +151,11 @@ class TrustPage:
         Of the unmodified solvers.
     alarms : str
         How many of them raised a false alarm, in a sentence.
+    judge : str
+        How often the judge is wrong about random series, in a sentence.
+    rates : tuple of RateTable
+    command : str
+        Makes the page anew.
     origins : tuple of Origin
     """
 
@@ -167,4 +173,7 @@ class TrustPage:
     by_rule: tuple[FaultRow, ...]
     runs: tuple[Plain, ...]
     alarms: str
+    judge: str
+    rates: tuple[RateTable, ...]
+    command: str
     origins: tuple[Origin, ...]

@@ -215,6 +215,14 @@ class Fates:
 
 
 @dataclass(frozen=True)
+class RateTable:
+    """How often the judge is right: rows of kind and truth, and of numbers; a command gives them."""
+
+    caption: str
+    rows: tuple[tuple[str, str, tuple[str, ...]], ...]
+
+
+@dataclass(frozen=True)
 class FaultRow:
     """A planted fault: the passage before and after, what caught it, and in which trial."""
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from mpmverify.dataset.kill_table import Fate, PlantedFault, SelfTest
+from mpmverify.dataset.kill_table import Fate, PlantedFault, Rate, SelfTest, total
 
 from .pages import TrustPage
-from .parts import Fact, Fates, FaultRow, Link, Mark, Origin, Plain
+from .parts import Fact, Fates, FaultRow, Link, Mark, Origin, Plain, RateTable
 
 MEANING = {
     Fate.KILLED: "A criterion of a study failed, or a run did not complete.",
@@ -63,6 +63,17 @@ def trust_page(test: SelfTest, file: str, facts: Sequence[tuple[str, str]], page
             for run in test.runs
         ),
         alarms=f"{len(test.alarms)} of {len(test.runs)} runs of the unmodified solvers raised a false alarm.",
+        judge=_judge(test.rates.series),
+        rates=tuple(
+            RateTable(caption, tuple(_rate(rate) for rate in rates))
+            for caption, rates in (
+                ("Error series, by kind", test.rates.series),
+                ("Sources of error told apart over a design", test.rates.designs),
+                ("At the limits of what a finite ladder shows: wrong verdicts here are inherent", test.rates.limits),
+            )
+            if rates
+        ),
+        command=f"mpmverify selftest --tier {test.tier}",
         origins=(Origin(file, f"../{file}.nc", tuple(Fact(name, value) for name, value in facts)),),
     )
 
@@ -89,6 +100,22 @@ def _row(fault: PlantedFault) -> FaultRow:
         where=where,
         reason=fault.explanation or fault.reason or f"largest deviation {fault.deviation:.1e} over {fault.trials} trials",
     )
+
+
+def _judge(rates: Sequence[Rate]) -> str:
+    if not rates:
+        return "The judge was not asked about random series: the unmodified solvers did not pass."
+    every = total(rates)
+    return (
+        f"Of {every.series} random error series of known truth the judge passed {every.wrong_pass / every.series:.3%} wrongly and failed "
+        f"{every.wrong_fail / every.series:.3%} wrongly; on {every.inconclusive / every.series:.0%} it says that they decide nothing yet."
+    )
+
+
+def _rate(rate: Rate) -> tuple[str, str, tuple[str, ...]]:
+    shares = (rate.right, rate.inconclusive, rate.wrong_pass, rate.wrong_fail)
+    cells = tuple(f"{count / rate.series:.2%}" if count else "0" for count in shares) if rate.series else ("–",) * len(shares)
+    return rate.kind, rate.truth, (str(rate.series), *cells)
 
 
 def _short(text: str) -> str:

@@ -20,7 +20,7 @@ from jinja2 import meta
 from mpmverify.baseline import Baseline
 from mpmverify.criteria import Balance, Order
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.kill_table import Fate, PlantedFault, SelfTest, UnmodifiedRun
+from mpmverify.dataset.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
 from mpmverify.dataset.level import Level, Snapshots
 from mpmverify.dataset.selftest import write_selftest
 from mpmverify.dataset.study import build, write_study
@@ -116,7 +116,9 @@ FAULTS = tuple(
     )
     for k, (rule, fate) in enumerate((rule, fate) for rule in ("named", "term") for fate in Fate)
 )
-SELF_TEST = SelfTest("full", 999, FAULTS, (UnmodifiedRun(2, 4, 1e-4, 7, "FAIL", 63, f"alarm {HOSTILE}"),))
+RATE = Rate(f"kind {HOSTILE}", "inside", 200, 150, 49, 0, 1)
+ALARM = UnmodifiedRun(2, 4, 1e-4, 7, "FAIL", 63, f"alarm {HOSTILE}")
+SELF_TEST = SelfTest("full", 999, FAULTS, (ALARM,), Rates((RATE,), (RATE, dataclasses.replace(RATE, series=0)), ()))
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from mpmverify import studies
 from mpmverify.baseline import Baseline
 from mpmverify.cli import cli
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.kill_table import Fate, PlantedFault, SelfTest, UnmodifiedRun
+from mpmverify.dataset.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
 from mpmverify.dataset.selftest import read_selftest, write_selftest
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
@@ -240,11 +240,13 @@ def test_a_process_that_dies_takes_no_other_task_with_it():
 
 FAULT = PlantedFault("mpm/term/1", "mpm", "term", "a term", "mpm/laws.py", 3, "a + b", "a", Fate.KILLED, verdict="FAIL")
 RUN = UnmodifiedRun(2, 4, 1e-4, 3, "PASS", 63)
+RATE = Rate("clean", "inside", 10_000, 9_599, 301, 1, 99)
+RATES = Rates((RATE,), (RATE,), (dataclasses.replace(RATE, wrong_pass=9_000),))
 
 
-def a_test(*fates: Fate, runs: tuple[UnmodifiedRun, ...] = (RUN,), explanation: str = "") -> SelfTest:
+def a_test(*fates: Fate, runs: tuple[UnmodifiedRun, ...] = (RUN,), explanation: str = "", rates: Rates = RATES) -> SelfTest:
     rows = (dataclasses.replace(FAULT, id=str(k), fate=fate, explanation=explanation) for k, fate in enumerate(fates))
-    return SelfTest("quick", 99, tuple(rows), runs)
+    return SelfTest("quick", 99, tuple(rows), runs, rates)
 
 
 def test_a_self_test_reads_back_as_it_was_written(tmp_path):
@@ -265,6 +267,14 @@ def test_a_self_test_passes_without_unexplained_survivor_and_false_alarm_alone()
     assert not a_test(Fate.KILLED, runs=()).passed
 
 
+@pytest.mark.parametrize("wrong", [{"wrong_pass": 10}, {"wrong_fail": 100}, {"series": 0, "wrong_pass": 0, "wrong_fail": 0}])
+@pytest.mark.parametrize("subject", ["series", "designs"])
+def test_a_self_test_fails_when_the_judge_is_wrong_too_often_or_was_not_asked(wrong, subject):
+    rates = dataclasses.replace(RATES, **{subject: (dataclasses.replace(RATE, **wrong),)})
+    assert not a_test(Fate.KILLED, rates=rates).passed
+    assert not a_test(Fate.KILLED, rates=dataclasses.replace(RATES, **{subject: ()})).passed
+
+
 def test_the_kill_table_counts_every_fault_once():
     table = a_test(*Fate, Fate.KILLED).table()
     assert {rule: sum(fates.values()) for rule, fates in table.items()} == {"term": len(Fate) + 1}
@@ -282,6 +292,7 @@ def small(monkeypatch):
     monkeypatch.setattr(session, "TRIALS", {"taylor_galerkin": (Trial("gehojerez-deck", "deck", "tg-lumped"),)})
     monkeypatch.setattr(session, "NAMED", (right, wrong))
     monkeypatch.setattr(session, "RUNS", {"quick": 1, "full": 1})
+    monkeypatch.setattr(session, "SERIES", {"quick": 270, "full": 270})
 
 
 def invoke(*arguments: str, status: int) -> str:
@@ -295,6 +306,7 @@ def test_the_command_prints_the_kill_table_and_finds_nothing_out_twice(tmp_path,
     output = invoke("--out", str(tmp_path), "--jobs", "2", "--explain", status=0)
     assert "0 unexplained survivors" in output
     assert "0 false alarms" in output
+    assert "270 random series of known truth: 0.00% passed wrongly" in output
     assert "equivalent" in output
     page = (tmp_path / "report" / "trust.html").read_text(encoding="utf-8")
     assert "1 of 1 planted faults that change results were caught" in " ".join(page.split()).replace('<span class="of">', "")

@@ -1,7 +1,14 @@
-"""What a self-test finds: the fate of every planted fault, and of every run of the unmodified solvers."""
+"""What a self-test finds: the fate of every planted fault, of every run of the unmodified solvers, and of random series."""
 
 from dataclasses import dataclass
 from enum import StrEnum
+
+from mpmverify.synthetic import Rate, total
+
+__all__ = ["Fate", "PlantedFault", "Rate", "Rates", "SelfTest", "UnmodifiedRun", "total"]
+
+WRONG_PASS, WRONG_FAIL = 0.001, 0.01
+"""Share of random series, all kinds together, of which as many may be judged wrongly."""
 
 
 class Fate(StrEnum):
@@ -83,6 +90,23 @@ class UnmodifiedRun:
 
 
 @dataclass(frozen=True)
+class Rates:
+    """How often the judge is right about random series, about designs, and about series at the limits of what can be seen."""
+
+    series: tuple[Rate, ...] = ()
+    designs: tuple[Rate, ...] = ()
+    limits: tuple[Rate, ...] = ()
+
+    @property
+    def astray(self) -> bool:
+        """Whether too many verdicts on series or designs are wrong; those at the limits are inherent."""
+        return any(
+            rate.wrong_pass >= WRONG_PASS * rate.series or rate.wrong_fail >= WRONG_FAIL * rate.series
+            for rate in (total(self.series), total(self.designs))
+        )
+
+
+@dataclass(frozen=True)
 class SelfTest:
     """A self-test: `sites` counts the faults that the rules make, of which the table has a sample."""
 
@@ -90,6 +114,7 @@ class SelfTest:
     sites: int
     faults: tuple[PlantedFault, ...]
     runs: tuple[UnmodifiedRun, ...]
+    rates: Rates = Rates()
 
     @property
     def unexplained(self) -> tuple[PlantedFault, ...]:
@@ -103,7 +128,7 @@ class SelfTest:
 
     @property
     def passed(self) -> bool:
-        return bool(self.faults) and bool(self.runs) and not self.unexplained and not self.alarms
+        return bool(self.faults) and bool(self.runs) and not (self.unexplained or self.alarms or self.rates.astray)
 
     def table(self) -> dict[str, dict[Fate, int]]:
         """How many faults of each rule met each fate, the named ones first."""

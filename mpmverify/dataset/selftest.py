@@ -5,6 +5,7 @@ Layout
 /          how many faults the rules made, provenance
 /faults    one row a fault: rule, place, what stood there and stands there now, its fate and what killed it
 /runs      one row an unmodified run: processes, threads, seed, and its worst verdict
+/series, /designs, /limits  one row a kind of random series: how many were judged rightly, wrongly and not at all
 """
 
 import dataclasses
@@ -18,11 +19,14 @@ import xarray as xr
 from mpmverify.atomic import write_atomic
 from mpmverify.dataset import provenance
 from mpmverify.dataset.files import check_ours
-from mpmverify.dataset.kill_table import Fate, PlantedFault, SelfTest, UnmodifiedRun
+from mpmverify.dataset.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
 from mpmverify.dataset.study import text
 from mpmverify.dataset.tree import write_tree
 from mpmverify.errors import ResultsError
+from mpmverify.synthetic import Rate
 
+KINDS: dict[str, type[Any]] = {"fault": PlantedFault, "run": UnmodifiedRun, "kind": Rate}
+RATES = tuple(entry.name for entry in dataclasses.fields(Rates))
 UNITS = {"seconds": "s"}
 WORDS = {"deviation": "largest relative deviation from the results of the original", "seconds": "wall time with compilation"}
 
@@ -31,17 +35,19 @@ def write_selftest(path: Path, test: SelfTest) -> None:
     """Write a self-test whole; a foreign file at `path` is never overwritten."""
     if path.exists():
         check_ours(path, "selftest")
-    attributes = provenance.attributes("selftest", "Planted faults", "Verdicts on solvers with one fault each.")
+    attributes = provenance.attributes(
+        "selftest", "Planted faults", "Verdicts on solvers with one fault each, and on random series of known truth."
+    )
     root = xr.Dataset(attrs=attributes | {"id": "selftest", "tier": test.tier, "sites": test.sites})
     groups = {"/": root, "/faults": _columns("fault", test.faults), "/runs": _columns("run", test.runs)}
+    groups |= {f"/{name}": _columns("kind", getattr(test.rates, name)) for name in RATES}
     tree = xr.DataTree.from_dict(groups)
     write_atomic(path, lambda temporary: write_tree(temporary, tree))
 
 
 def _columns(dimension: str, rows: Sequence[Any]) -> xr.Dataset:
-    kind = PlantedFault if dimension == "fault" else UnmodifiedRun
     variables = {}
-    for entry in dataclasses.fields(kind):
+    for entry in dataclasses.fields(KINDS[dimension]):
         values = [getattr(row, entry.name) for row in rows]
         attributes = {"long_name": WORDS.get(entry.name, entry.name)}
         if values and isinstance(values[0], str):
@@ -66,7 +72,8 @@ def read_selftest(path: Path) -> SelfTest:
                 dataclasses.replace(row, fate=Fate(row.fate)) for row in _rows(PlantedFault, tree["faults"].to_dataset())
             )
             runs = _rows(UnmodifiedRun, tree["runs"].to_dataset())
-            return SelfTest(str(attributes["tier"]), int(attributes["sites"]), faults, runs)
+            rates = Rates(*(_rows(Rate, tree[name].to_dataset()) for name in RATES))
+            return SelfTest(str(attributes["tier"]), int(attributes["sites"]), faults, runs, rates)
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify selftest` again") from error
 

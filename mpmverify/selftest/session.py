@@ -10,7 +10,7 @@ from mpmverify.atomic import write_atomic
 from mpmverify.baseline import Baseline
 from mpmverify.dataset.content import digest, file_digest
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.kill_table import Fate, PlantedFault, SelfTest, UnmodifiedRun
+from mpmverify.dataset.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
 from mpmverify.gate import Verdict
 from mpmverify.runner import Plan, run
 from mpmverify.selftest.faults import Fault, passage
@@ -22,6 +22,7 @@ from mpmverify.selftest.trials import TRIALS, merged
 from mpmverify.selftest.unmodified import settings, unmodified
 from mpmverify.selftest.verdict import Court, Fortune
 from mpmverify.study import Study
+from mpmverify.synthetic import Rate, measure, measure_designs, measure_limits
 
 EACH = 4
 """Faults of every rule and family in the full tier."""
@@ -29,6 +30,9 @@ RUNS = {"quick": 4, "full": 50}
 """Runs of the unmodified solvers."""
 CODE = ("mpmverify.evaluation", "mpmverify.dataset.verdicts", "mpmverify.selftest.verdict")
 """Modules that judge a fault."""
+SERIES = {"quick": 13_500, "full": 270_000}
+"""Random series that the judge is asked about."""
+SEED = 11
 COMPILATION = {"NUMBA_OPT": "1"}
 """Most of the time compiles what runs for a moment: less optimisation takes a quarter off."""
 
@@ -65,7 +69,7 @@ class Session:
     timeout: float = 300.0
 
     def run(self, progress: Progress = lambda *_: None) -> SelfTest:
-        """Run the unmodified solvers, and the faults when those pass.
+        """Run the unmodified solvers, and the faults and random series when those pass.
 
         Raises
         ------
@@ -83,10 +87,29 @@ class Session:
         first, sites = next(unmodified_runs), sum(map(len, found.values()))
         if first.verdict != Verdict.PASS:  # no verdict on a fault would mean anything
             return SelfTest(self.tier, sites, (), (first,))
+        rates = self._rates(progress)
         for _ in run(studies, Plan(self._original, self.baseline, jobs=self.jobs)):
             pass  # what the faulty solvers are compared with
         rows = {fault.id: row for fault, row in self._planted(planted, keys, trials, progress)}
-        return SelfTest(self.tier, sites, tuple(rows[fault.id] for fault in planted), (first, *unmodified_runs))
+        return SelfTest(self.tier, sites, tuple(rows[fault.id] for fault in planted), (first, *unmodified_runs), rates)
+
+    def _rates(self, progress: Progress) -> Rates:
+        """How often the judge is right about random series of known truth."""
+        count = SERIES[self.tier]
+        path = self._path(digest(count, SEED, code=("mpmverify.synthetic",)))
+        try:
+            stored = json.loads(path.read_text(encoding="utf-8"))
+            rates = Rates(**{name: tuple(Rate(**row) for row in rows) for name, rows in stored.items()})
+        except (OSError, ValueError, TypeError, AttributeError):
+            rates = Rates(
+                *(
+                    tuple(r)
+                    for r in (measure(count, SEED), measure_designs(count // 90, SEED), measure_limits(count // 4, SEED))
+                )
+            )
+            _store(path, rates)
+        progress("verdicts on random series", 1, 1)
+        return rates
 
     def _unmodified(self, studies: list[Study], progress: Progress) -> Iterator[UnmodifiedRun]:
         """Every setting once."""
@@ -172,7 +195,7 @@ def _failed(reason: str) -> Fortune:
     return Fortune(Fate.BROKEN, reason=reason)
 
 
-def _store(path: Path, row: PlantedFault | UnmodifiedRun) -> None:
+def _store(path: Path, row: PlantedFault | UnmodifiedRun | Rates) -> None:
     write_atomic(path, lambda temporary: temporary.write_text(json.dumps(asdict(row)), encoding="utf-8"))
 
 
