@@ -58,6 +58,7 @@ CASES = {
     "mode 1, periodic": (axial_vibration(ends="periodic"), 4.0, (), 1.0),
     "mode 2, periodic": (axial_vibration(2, "periodic", length=2.0, youngs_modulus=3.0, v0=1e-3), 0.2, (), 1.0),
     "driven": (driven_bar(), 0.2, (), 1.0),
+    "driven, accelerated": (driven_bar(start=0.6), 0.2, (), 1.0),
     "driven, loaded at the left": (driven_bar("x-", poissons_ratio=-0.2, lower=-2.0), 0.2, (), 1.0),
     "open": (open_bar(), 0.2, (), 1.0),
     "manufactured, small": (manufactured(), 0.2, (), 1.0),

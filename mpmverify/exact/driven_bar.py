@@ -1,5 +1,6 @@
 """Manufactured standing wave in a linear elastic bar with one end moved, the other loaded, and a body force everywhere."""
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -14,17 +15,21 @@ CITATION = "Salari K., Knupp P. (2000). Code verification by the method of manuf
 
 @dataclass(frozen=True)
 class Swing:
-    """a sin(omega t + phase), a datum in time (a `History`); omega in rad/s."""
+    """a sin(omega t + phase) + offset, a datum in time (a `History`); omega in rad/s."""
 
     amplitude: float
     omega: float
     phase: float = 0.0
+    offset: float = 0.0
 
     def __call__(self, t: Array) -> Array:
-        return self.amplitude * np.sin(self.omega * t + self.phase)
+        return self.amplitude * np.sin(self.omega * t + self.phase) + self.offset
+
+    def scaled(self, factor: float) -> "Swing":
+        return dataclasses.replace(self, amplitude=factor * self.amplitude, offset=factor * self.offset)
 
     def integral(self, t: Array) -> Array:
-        return self.amplitude / self.omega * (math.cos(self.phase) - np.cos(self.omega * t + self.phase))
+        return self.amplitude / self.omega * (math.cos(self.phase) - np.cos(self.omega * t + self.phase)) + self.offset * t
 
 
 @dataclass(frozen=True)
@@ -53,6 +58,7 @@ class Product:
 def driven_bar(
     loaded: str = "x+",
     *,
+    start: float = 0.0,
     amplitude: float = 1e-6,
     lower: float = 0.5,
     length: float = 1.6,
@@ -60,7 +66,7 @@ def driven_bar(
     density: float = 2.0,
     poissons_ratio: float = 0.3,
 ) -> VerificationProblem:
-    """Linear elastic bar that follows u = G sin(k X + phi) sin(omega t).
+    """Linear elastic bar that follows u = G sin(k X + phi) [sin(omega t + psi) - sin(psi)].
 
     No parameter is 0 or 1, no end is at rest or free, and nothing is symmetric: what cancels or vanishes on a bar of unit
     properties does not here.
@@ -69,6 +75,8 @@ def driven_bar(
     ----------
     loaded : {"x-", "x+"}
         The face under traction; the other one is moved.
+    start : float
+        psi [rad]; where it is not zero the bar starts with an acceleration too.
     amplitude : float
         G [m].
     lower, length : float
@@ -83,7 +91,8 @@ def driven_bar(
 
     Notes
     -----
-    rho u_tt = (lambda + 2 mu) u_XX + rho b gives b = (c^2 k^2 - omega^2) u with c^2 = (lambda + 2 mu)/rho.
+    rho u_tt = (lambda + 2 mu) u_XX + rho b gives b = (c^2 k^2 - omega^2) u - omega^2 G sin(psi) sin(k X + phi) with
+    c^2 = (lambda + 2 mu)/rho.
 
     References
     ----------
@@ -96,26 +105,27 @@ def driven_bar(
     c, k, phase = material.wave_speed, 1.3 * math.pi / length, 0.4
     omega = 0.8 * c * k
     shape, slope = Shape(1.0, k, phase), Shape(modulus * k, k, phase + math.pi / 2)
-    swing, rate = Swing(amplitude, omega), Swing(amplitude * omega, omega, math.pi / 2)
+    rest = -amplitude * math.sin(start)
+    swing, rate = Swing(amplitude, omega, start, rest), Swing(amplitude * omega, omega, start + math.pi / 2)
 
     def at(face: str) -> Array:
         return np.array([[lower + (length if face == "x+" else 0.0)]])
 
     moved = "x-" if loaded == "x+" else "x+"
     boundary: dict[str, BoundaryCondition] = {
-        moved: Velocity(Swing(rate.amplitude * float(shape(at(moved))[0, 0]), omega, rate.phase)),
-        loaded: Traction(Swing(swing.amplitude * float(slope(at(loaded))[0, 0]), omega)),
+        moved: Velocity(rate.scaled(float(shape(at(moved))[0, 0]))),
+        loaded: Traction(swing.scaled(float(slope(at(loaded))[0, 0]))),
     }
     return VerificationProblem(
         problem=Problem(
-            name=f"driven-bar-loaded-at-{loaded}",
+            name=f"driven-bar-loaded-at-{loaded}" + ("-accelerated" if start else ""),
             lower=(lower,),
             upper=(lower + length,),
             material=material,
             boundary=boundary,
-            end_time=1.3 * 2 * math.pi / omega,
-            initial={"velocity": Shape(rate.amplitude, k, phase)},
-            body_force=Product(shape, Swing(amplitude * (c * c * k * k - omega * omega), omega)),
+            end_time=(1.45 if start else 1.3) * 2 * math.pi / omega,
+            initial={"velocity": Shape(rate.amplitude * math.cos(start), k, phase)},
+            body_force=Product(shape, Swing(amplitude * (c * c * k * k - omega * omega), omega, start, rest * (c * k) ** 2)),
         ),
         exact=ExactSolution(
             fields={
@@ -128,9 +138,9 @@ def driven_bar(
         exposes="Moved and loaded ends, the instant at which data are taken, the body force, and terms that vanish on a unit bar.",
         equations=(
             r"\rho\, \partial_{tt} u = (\lambda + 2\mu)\, \partial_{XX} u + \rho b, \quad \sigma = (\lambda + 2\mu)\, \partial_X u",
-            r"u(X,0) = 0, \quad \partial_t u(X,0) = \omega G \sin(k X + \varphi)",
+            r"u(X,0) = 0, \quad \partial_t u(X,0) = \omega G \cos\psi \sin(k X + \varphi)",
             r"u \text{ and } \sigma \text{ as given at the moved and at the loaded end}",
-            r"b = (c^2 k^2 - \omega^2)\, u, \quad c = \sqrt{(\lambda + 2\mu)/\rho}",
-            r"u = G \sin(k X + \varphi) \sin(\omega t)",
+            r"b = (c^2 k^2 - \omega^2)\, u - \omega^2 G \sin\psi \sin(k X + \varphi), \quad c = \sqrt{(\lambda + 2\mu)/\rho}",
+            r"u = G \sin(k X + \varphi)\, [\sin(\omega t + \psi) - \sin\psi]",
         ),
     )

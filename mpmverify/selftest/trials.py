@@ -64,6 +64,7 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
     "mpm": (
         Trial(DRIVEN, "loaded-right", "mpm-ul-linear-musl-flip"),
         Trial(DRIVEN, "loaded-left", "mpm-tl-quadratic-usf-flip"),
+        Trial(DRIVEN, "accelerated", "mpm-ul-linear-musl-flip"),
         Trial(VIBRATION, "small-strain", "mpm-ul-linear-musl-flip"),
         Trial(MANUFACTURED, "published", "mpm-tl-linear-musl-flip-nodalforce"),
         Trial(BAR, "pulse", "mpm-ul-linear-musl-flip"),
