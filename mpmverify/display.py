@@ -74,7 +74,7 @@ def show_selftest(test: SelfTest, *, explain: bool = False) -> None:
     table.add_row("all", *(f"[bold]{count}[/]" for count in (sum(totals), *totals)))
     console.print(table)
     for fault in test.faults:
-        if explain or fault.fate in (Fate.SURVIVED, Fate.NOT_EXERCISED):
+        if explain or fault.fate in (Fate.SURVIVED, Fate.UNDECIDED, Fate.NOT_EXERCISED):
             said = f"{fault.verdict} {fault.study}/{fault.case}/{fault.solver}: {fault.criterion}: " if fault.verdict else ""
             reason = fault.explanation or f"{said}{fault.reason}" or f"results differ by {fault.deviation:.1e} of their size"
             place = f"{fault.id} {fault.name} ({fault.file}:{fault.line})"

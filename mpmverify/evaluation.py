@@ -13,7 +13,7 @@ from mpmverify.dataset.content import digest
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.level import Level, Snapshots
 from mpmverify.dataset.runs import HISTORY_UNITS, read_run, write_run
-from mpmverify.errors import MpmverifyError
+from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.gate import Criterion, Setting
 from mpmverify.norms import errors
@@ -155,7 +155,11 @@ def _compare(task: Task, solution: Solution) -> Level:
         table = errors(solution, task.problem.exact)
         setting = Setting(task.problem, task.discretisation)
         for criterion in task.criteria:
-            metrics |= criterion.measure(solution, setting)
+            measured = criterion.measure(solution, setting)
+            for name in measured.keys() & metrics.keys():
+                if not np.array_equal(measured[name], metrics[name], equal_nan=True):
+                    raise UsageError(f"{task}: two criteria measure {name!r} differently: give each a series of its own")
+            metrics |= measured
     work = dataclasses.asdict(solution.work)
     return _level(task, solution.outcome, dt=solution.dt, errors=table, metrics=metrics, **work)
 

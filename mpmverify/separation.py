@@ -24,6 +24,8 @@ SIGNIFICANCE = 1e-3
 """Probability at and above which it may be noise that a source improves the fit."""
 MISFIT = 0.03
 """Root mean square of log(E/fit) above which the sources do not explain the errors."""
+FAR = 100.0
+"""How far above round-off an error is that no run may lack."""
 EXACT = 1e-24
 """Sum of squares of relative deviations at which a fit is exact to round-off."""
 INDEPENDENT = 0.1
@@ -142,7 +144,19 @@ def _separated(columns: tuple[tuple[Any, ...], ...], errors: tuple[float, ...]) 
         known[name] = Source(name, amplitude, exponent, low, high, float(fit.share[k]))
     names = (*table, *([REST] if len(table) == 1 else []))
     obstacle = f"the sources do not explain the errors: they are off by {fit.residual:.0%}" if fit.residual > MISFIT else ""
+    if unlike := int(np.sum(_predicted(known, fit.cosine, {n: size[~kept] for n, size in table.items()}) > FAR * ROUND_OFF)):
+        obstacle = f"{unlike} runs are at round-off, where the sources of the others have errors far above it"
     return Separation(tuple(known.get(name, Source(name)) for name in names), fit.cosine, fit.residual, obstacle)
+
+
+def _predicted(known: Mapping[str, Source], cosine: Mapping[tuple[str, str], float], table: Mapping[str, Array]) -> Array:
+    """Errors that the sources would have on other runs."""
+    parts = {name: source.amplitude * table[name] ** source.exponent for name, source in known.items() if name in table}
+    square = sum((part**2 for part in parts.values()), np.zeros(len(next(iter(table.values())))))
+    for (one, other), value in cosine.items():
+        if one in parts and other in parts:
+            square = square + 2 * value * parts[one] * parts[other]
+    return np.asarray(np.sqrt(np.maximum(square, 0)))
 
 
 def _obstacle(logs: Mapping[str, Array], runs: int) -> str:

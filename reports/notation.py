@@ -39,7 +39,7 @@ def cell_size(value: float) -> str:
 
 def order(value: float) -> str:
     """Return an order of convergence to two decimals."""
-    return f"{value:.2f}".replace("-", MINUS) if math.isfinite(value) else DASH
+    return f"{round(value, 2) + 0.0:.2f}".replace("-", MINUS) if math.isfinite(value) else DASH
 
 
 def interval(low: float, high: float) -> str:

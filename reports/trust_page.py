@@ -13,6 +13,7 @@ MEANING = {
     Fate.BROKEN: "It does not compile, crashes, hangs or refuses the problem: the run is an ERROR, whatever the criteria.",
     Fate.EQUIVALENT: "Its results agree with the original's to 1e-11 on every trial, fields and histories.",
     Fate.NOT_EXERCISED: "No trial comes to its passage.",
+    Fate.UNDECIDED: "The machine was too busy to tell: the self-test, run again, tries it again.",
     Fate.SURVIVED: "Its results differ, and everything passed.",
 }
 SHOWN = 160
@@ -51,7 +52,9 @@ def trust_page(test: SelfTest, file: str, facts: Sequence[tuple[str, str]], page
         rules=rules,
         total=Fates("all", str(sum(totals)), tuple(map(str, totals))),
         meanings=tuple(Fact(fate.value, meaning) for fate, meaning in MEANING.items()),
-        survivors=tuple(_row(fault) for fate in (Fate.SURVIVED, Fate.NOT_EXERCISED) for fault in _of(test, fate)),
+        survivors=tuple(
+            _row(fault) for fate in (Fate.SURVIVED, Fate.UNDECIDED, Fate.NOT_EXERCISED) for fault in _of(test, fate)
+        ),
         named=tuple(_row(fault) for fault in test.faults if fault.rule == "named"),
         by_rule=tuple(_row(fault) for fault in test.faults if fault.rule != "named"),
         runs=tuple(
@@ -87,7 +90,12 @@ def _of(test: SelfTest, fate: Fate) -> list[PlantedFault]:
 
 
 def _row(fault: PlantedFault) -> FaultRow:
-    kind = {Fate.SURVIVED: "fail", Fate.NOT_EXERCISED: "inconclusive", Fate.EQUIVALENT: "inconclusive"}.get(fault.fate, "pass")
+    kind = {
+        Fate.SURVIVED: "fail",
+        Fate.UNDECIDED: "inconclusive",
+        Fate.NOT_EXERCISED: "inconclusive",
+        Fate.EQUIVALENT: "inconclusive",
+    }.get(fault.fate, "pass")
     where = f"{fault.study} / {fault.case} / {fault.solver}" if fault.study else ""
     return FaultRow(
         mark=Mark(kind, fault.fate.value),

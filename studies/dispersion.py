@@ -42,7 +42,9 @@ def _series(solver: Solver, source: str, courant: float, ppc: int = 1) -> Series
 
 def _bar(mode: int, ends: Literal["fixed-fixed", "periodic"]) -> VerificationProblem:
     """Some four periods, of which every step is an output; at their end no field is near zero, and no constant of the bar is 1."""
-    return axial_vibration(mode, ends, length=LENGTH, youngs_modulus=9.0, density=4.0, v0=1e-3, periods=4.1, outputs=4096)
+    bar = {"length": LENGTH, "youngs_modulus": 9.0, "density": 4.0, "v0": 1e-3}
+    exposes = "The frequency and the damping that a scheme gives a mode, by how many cells resolve it."
+    return axial_vibration(mode, ends, **bar, periods=4.1, outputs=4096, exposes=exposes)
 
 
 def _particles(schedule: str) -> MaterialPoint:

@@ -42,6 +42,7 @@ PUBLISHED = Published("u", "L2", tuple((float(h), float(f"{3 * h**2:.2e}")) for 
 DISPERSION = Dispersion("tg-lumped", "u", 2.0, 1e-10, "theory")
 PHASE = PhaseError("u", 2, 0.2, "theory", "tg-consistent-3", 72.0)  # at nu_C = 1/2 it is ahead by theta^2/24
 DECAY = AmplitudeDecay("u", 3, 0.2, "theory", "tg-lumped", 64.0)  # at nu_C = 1/2 it loses 3/64 nu_C theta^4 a step
+LOSSLESS = AmplitudeDecay("u", 3, 0.2, "theory", "fem-p1-lumped-cd", 1.0)  # central differences lose nothing
 FRONT = FrontPosition("u", "tg-lumped", 0.1, "theory")
 SEPARATED = Separated("u", "L2", (("h", 1.8, 2.2), ("dt", 0.8, 1.2)), "theory")
 DESIGN_H, DESIGN_DT = (grid.ravel() for grid in np.meshgrid(H[:4], H[:4] / 2, indexing="ij"))
@@ -192,6 +193,9 @@ EXAMPLES = [
     (PHASE, measured(phase_error_u=-3 * H**2 * [1, 1.4, 0.8, 1.5, 1.0]), INCONCLUSIVE),
     (PHASE, measured(phase_error_u=-3 * H**2 * [1, 1, 1, 1, np.nan]), ERROR),
     (PHASE, measured(), ERROR),
+    (LOSSLESS, measured(amplitude_decay_u=1e-14 * ONES), PASS),
+    (LOSSLESS, measured(amplitude_decay_u=3 * H**3), INCONCLUSIVE),
+    (LOSSLESS, measured(amplitude_decay_u=3 * H), FAIL),
     (DECAY, measured(amplitude_decay_u=3 * H**3), PASS),
     (DECAY, measured(amplitude_decay_u=-3 * H**3), FAIL),
     (DECAY, measured(amplitude_decay_u=3 * H**2), FAIL),

@@ -10,7 +10,7 @@ from faulty_solvers import MISDEEDS, SECOND_ORDER, Scripted, ladder, plan, study
 
 from mpmverify import evaluation
 from mpmverify.baseline import read_baseline
-from mpmverify.criteria import Balance, Order
+from mpmverify.criteria import Amplification, Balance, Order
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.study import read_study
 from mpmverify.dataset.verdicts import accepted, findings
@@ -43,6 +43,15 @@ def journal(tmp_path):
     path = tmp_path / "journal"
     path.touch()
     return path
+
+
+def test_two_criteria_that_measure_one_name_differently_are_refused(tmp_path):
+    """Otherwise the later one would be judged in place of the former."""
+    modes = [Amplification(passes, 1e-12, "made so") for passes in (1, 3)]
+    with pytest.raises(UsageError, match="two criteria measure 'amplification_defect' differently"):
+        judged_once(study(criteria=(*SECOND_ORDER, *modes)), tmp_path)
+    twice = (Balance("mass", "", "made so"), Balance("mass", "", "made so", bound=1e-3))
+    assert set(verdicts(judged_once(study(criteria=twice), tmp_path))) == {Verdict.PASS}
 
 
 def test_a_second_run_solves_nothing_and_writes_nothing(tmp_path, journal):

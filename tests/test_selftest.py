@@ -4,6 +4,7 @@ import ast
 import dataclasses
 import math
 import os
+import time
 from collections import Counter
 
 import numpy as np
@@ -22,7 +23,7 @@ from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
 from mpmverify.problem import Discretisation
 from mpmverify.runner import Plan, run
-from mpmverify.selftest import session
+from mpmverify.selftest import processes, session
 from mpmverify.selftest.faults import Edit, Fault, passage
 from mpmverify.selftest.named import HISTORIC, NAMED
 from mpmverify.selftest.processes import each_alone
@@ -227,12 +228,26 @@ def test_the_fate_of_a_fault(edit, fate, deck):
 def _double(number: int) -> int:
     if number == 3:
         os._exit(7)
+    while number == 4:
+        pass
+    if number == 5:
+        time.sleep(600)
     return 2 * number
 
 
-def test_a_process_that_dies_takes_no_other_task_with_it():
-    done = dict(each_alone(_double, (1, 2, 3, 4), 2, 60.0, lambda reason: reason, ["mpmverify.errors"]))
-    assert done == {1: 2, 2: 4, 3: "the process died with exit status 7", 4: 8}
+def _why(reason: str, *, undecided: bool) -> tuple[str, bool]:
+    return reason, undecided
+
+
+def test_a_process_that_dies_or_hangs_takes_no_other_task_with_it():
+    done = dict(each_alone(_double, (1, 2, 3, 4, 6), 2, 2.0, _why, ["mpmverify.errors"]))
+    died, hung = "the process died with exit status 7", "no result within 2 s of processor time"
+    assert done == {1: 2, 2: 4, 3: (died, False), 4: (hung, False), 6: 12}
+
+
+def test_a_process_that_is_not_let_run_is_undecided(monkeypatch):
+    monkeypatch.setattr(processes, "PATIENCE", 2)
+    assert dict(each_alone(_double, (1, 5), 1, 1.0, _why, ["mpmverify.errors"])) == {1: 2, 5: ("no result within 2 s", True)}
 
 
 # What is kept.
@@ -265,6 +280,8 @@ def test_a_self_test_passes_without_unexplained_survivor_and_false_alarm_alone()
     assert not a_test(Fate.KILLED, runs=(RUN, dataclasses.replace(RUN, verdict="FAIL"))).passed
     assert not a_test().passed
     assert not a_test(Fate.KILLED, runs=()).passed
+    assert not a_test(Fate.KILLED, Fate.UNDECIDED).passed
+    assert not a_test(Fate.BROKEN, Fate.EQUIVALENT).passed
 
 
 @pytest.mark.parametrize("wrong", [{"wrong_pass": 10}, {"wrong_fail": 100}, {"series": 0, "wrong_pass": 0, "wrong_fail": 0}])

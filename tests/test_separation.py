@@ -122,6 +122,15 @@ def test_misuse_is_refused(sizes, error, reason):
         separate(sizes, error)
 
 
+def test_runs_that_are_too_good_to_be_true_are_an_obstacle_and_runs_that_come_to_round_off_are_none():
+    error = pair(2, 2)
+    spoilt = np.where(np.arange(len(H)) % 5 == 2, 0.0, error)
+    assert "at round-off" in separate({"h": H, "dt": DT}, spoilt).obstacle
+    small = error * 1e-11
+    assert (small <= 1e-12).any()
+    assert separate({"h": H, "dt": DT}, small).obstacle == ""
+
+
 def test_the_jacobian_is_the_derivative_of_the_residuals():
     logs = {"h": np.log(H) - np.log(H).mean(), "dt": np.log(DT) - np.log(DT).mean(), REST: np.zeros(len(H))}
     model = Model(logs, np.log(pair(2, 2)), {REST: 0.0})

@@ -165,8 +165,12 @@ class LeadingTerm:
         finest = np.argmin(evidence.h)
         leading = leading_errors(self.relation, float(evidence.courant[finest]), int(evidence.ppc[finest]))
         term = self.factor * self.coefficient(*leading) * evidence.h[finest] ** self.order
-        if verdict is Verdict.ERROR or abs(term) <= ROUND_OFF:
+        if verdict is Verdict.ERROR:
             return verdict, reason
+        if abs(term) <= ROUND_OFF:
+            if np.all(np.abs(error) <= ROUND_OFF):
+                return Verdict.PASS, "at round-off on every level: the relation has no such error"
+            return worst([verdict, Verdict.INCONCLUSIVE]), f"{reason}; the relation has no leading term to compare it with"
         share = error[finest] / term
         kept = Verdict.PASS if abs(share - 1) <= self.tolerance else Verdict.FAIL
         return worst([verdict, kept]), f"{share:.4f} of the leading term at h={evidence.h[finest]:g}, {reason}"

@@ -15,7 +15,8 @@ class Fate(StrEnum):
     """What may become of a fault.
 
     Killed by verification, or by the regression gate alone; it does not compile or crashes; its results agree with the original's
-    on all trials to round-off, or no trial comes to its passage; or its results differ and everything passed.
+    on all trials to round-off, or no trial comes to its passage; the machine was too busy to tell; or its results differ and
+    everything passed.
     """
 
     KILLED = "killed"
@@ -23,6 +24,7 @@ class Fate(StrEnum):
     BROKEN = "does not run"
     EQUIVALENT = "equivalent"
     NOT_EXERCISED = "not exercised"
+    UNDECIDED = "undecided"
     SURVIVED = "survived"
 
 
@@ -128,7 +130,9 @@ class SelfTest:
 
     @property
     def passed(self) -> bool:
-        return bool(self.faults) and bool(self.runs) and not (self.unexplained or self.alarms or self.rates.astray)
+        fates = {fault.fate for fault in self.faults}
+        asked = bool(self.runs) and not fates.isdisjoint({Fate.KILLED, Fate.REGRESSION})
+        return asked and Fate.UNDECIDED not in fates and not (self.unexplained or self.alarms or self.rates.astray)
 
     def table(self) -> dict[str, dict[Fate, int]]:
         """How many faults of each rule met each fate, the named ones first."""

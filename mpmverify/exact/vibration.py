@@ -100,6 +100,7 @@ def axial_vibration(
     v0: float = 0.1,
     periods: float = 1.1,
     outputs: int = 32,
+    exposes: str = "Drift of the energy, phase error and damping over many steps.",
 ) -> VerificationProblem:
     """Bar, fixed at x = 0 or closed to a ring, that starts with a velocity in the shape of an eigenmode.
 
@@ -117,6 +118,8 @@ def axial_vibration(
         Final time in periods 2 pi/(beta c); at 1.1 neither displacement nor velocity is near zero.
     outputs : int
         Number of output intervals.
+    exposes : str
+        What error the problem is there to expose, one sentence.
 
     Raises
     ------
@@ -154,7 +157,7 @@ def axial_vibration(
             },
             citation=CITATION,
         ),
-        exposes="Drift of the energy, phase error and damping over many steps.",
+        exposes=exposes,
         equations=(
             r"\rho\, \partial_{tt} u = E\, \partial_{xx} u, \quad \sigma = E\, \partial_x u",
             r"u(x,0) = 0, \quad \partial_t u(x,0) = v_0 \sin(\beta x)",

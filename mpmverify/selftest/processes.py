@@ -1,6 +1,7 @@
 """One process for each fault: a fault may hang, kill its process or spoil its memory, and the next one never knows."""
 
 import contextlib
+import math
 import multiprocessing
 import os
 import signal
@@ -9,12 +10,22 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from multiprocessing.connection import Connection, wait
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from mpmverify.pool import no_interrupt
 
 T = TypeVar("T")
 R = TypeVar("R")
+R_co = TypeVar("R_co", covariant=True)
+OUT_OF_TIME = getattr(signal, "SIGXCPU", None)
+"""Signal that ends a process at its limit of processor time; None where there is none."""
+PATIENCE = 20
+
+
+class Failed(Protocol[R_co]):
+    """Makes a result of the reason why there is none, and of whether that is undecided."""
+
+    def __call__(self, reason: str, *, undecided: bool) -> R_co: ...
 
 
 @contextmanager
@@ -33,7 +44,7 @@ def environment(values: Mapping[str, str]) -> Iterator[None]:
 
 
 def each_alone(
-    work: Callable[[T], R], tasks: Sequence[T], jobs: int, timeout: float, failed: Callable[[str], R], imports: Sequence[str]
+    work: Callable[[T], R], tasks: Sequence[T], jobs: int, timeout: float, failed: Failed[R], imports: Sequence[str]
 ) -> Iterator[tuple[T, R]]:
     """Call `work` on every task, each in a process of its own, `jobs` at a time; in the order of completion.
 
@@ -44,9 +55,10 @@ def each_alone(
     tasks : sequence
     jobs : int
     timeout : float
-        Limit for one task [s].
+        Limit for one task [s of processor time]: a process that nobody waits for any more ends too. A task that has not come to
+        it in `PATIENCE` times as long is given up, undecided.
     failed : callable
-        Makes a result of the reason why there is none.
+        Makes a result of the reason why there is none, and of whether that is undecided.
     imports : sequence of str
         Modules that every process needs: imported once where the platform can fork a clean process.
 
@@ -66,19 +78,20 @@ def each_alone(
             while waiting and len(busy) < jobs:
                 ours, theirs = context.Pipe(duplex=False)
                 task = waiting.pop()
-                process = context.Process(target=_serve, args=(theirs, work, task), daemon=True)
+                process = context.Process(target=_serve, args=(theirs, work, task, timeout), daemon=True)
                 with no_interrupt():
                     process.start()
                 theirs.close()
-                busy[ours] = (process, task, time.monotonic() + timeout)
+                busy[ours] = (process, task, time.monotonic() + PATIENCE * timeout)
             pause = max(0.0, min(deadline for _, _, deadline in busy.values()) - time.monotonic())
             ready = wait(list(busy), pause)
             for connection, (process, task, deadline) in list(busy.items()):
                 if connection not in ready and time.monotonic() < deadline:
                     continue
-                result = (
-                    _received(connection, process, failed) if connection in ready else failed(f"no result within {timeout:g} s")
-                )
+                if connection in ready:
+                    result = _received(connection, process, failed, timeout)
+                else:
+                    result = failed(f"no result within {PATIENCE * timeout:g} s", undecided=True)
                 _end(connection, process)
                 del busy[connection]
                 yield task, result
@@ -87,7 +100,7 @@ def each_alone(
             _end(connection, process)
 
 
-def _received(connection: Connection, process: Any, failed: Callable[[str], R]) -> R:
+def _received(connection: Connection, process: Any, failed: Failed[R], timeout: float) -> R:
     try:
         result: R | Exception = connection.recv()
         if isinstance(result, Exception):
@@ -95,7 +108,9 @@ def _received(connection: Connection, process: Any, failed: Callable[[str], R]) 
         return result
     except (EOFError, ConnectionResetError):
         process.join()
-        return failed(f"the process died with exit status {process.exitcode}")
+        if OUT_OF_TIME is not None and process.exitcode == -OUT_OF_TIME:
+            return failed(f"no result within {timeout:g} s of processor time", undecided=False)
+        return failed(f"the process died with exit status {process.exitcode}", undecided=False)
 
 
 def _end(connection: Connection, process: Any) -> None:
@@ -104,8 +119,13 @@ def _end(connection: Connection, process: Any) -> None:
     connection.close()
 
 
-def _serve(connection: Connection, work: Callable[[T], R], task: T) -> None:
+def _serve(connection: Connection, work: Callable[[T], R], task: T, timeout: float) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if OUT_OF_TIME is not None:
+        import resource  # where there is such a signal, there is this module
+
+        limit = math.ceil(time.process_time() + timeout)
+        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
     try:
         result: Any = work(task)
     except Exception as error:

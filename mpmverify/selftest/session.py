@@ -57,7 +57,7 @@ class Session:
     jobs : int
         Faults at a time.
     timeout : float
-        Limit for one fault on all trials [s].
+        Limit for one fault on all trials [s of processor time].
     """
 
     results: Results
@@ -66,7 +66,7 @@ class Session:
     baseline: Baseline
     tier: str = "quick"
     jobs: int = 1
-    timeout: float = 300.0
+    timeout: float = 120.0
 
     def run(self, progress: Progress = lambda *_: None) -> SelfTest:
         """Run the unmodified solvers, and the faults and random series when those pass.
@@ -145,7 +145,8 @@ class Session:
         with environment(COMPILATION):
             for (_, fault), fortune in each_alone(_judge, waiting, self.jobs, self.timeout, _failed, imports):
                 row = self._row(fault, fortune)
-                _store(self._path(keys[fault.id]), row)
+                if fortune.fate is not Fate.UNDECIDED:  # a busy machine is no verdict on a fault: it is tried again
+                    _store(self._path(keys[fault.id]), row)
                 done += 1
                 progress("planted faults", done, len(planted))
                 yield fault, row
@@ -191,8 +192,8 @@ def _judge(task: tuple[Court, Fault]) -> Fortune:
     return court.judge(fault)
 
 
-def _failed(reason: str) -> Fortune:
-    return Fortune(Fate.BROKEN, reason=reason)
+def _failed(reason: str, *, undecided: bool) -> Fortune:
+    return Fortune(Fate.UNDECIDED if undecided else Fate.BROKEN, reason=reason)
 
 
 def _store(path: Path, row: PlantedFault | UnmodifiedRun | Rates) -> None:
