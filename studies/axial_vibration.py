@@ -7,20 +7,12 @@ from mpmverify.solution import Solver
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
-from mpmverify.study import Case, Refinement, Series, Study, halving
+from mpmverify.study import Case, Series, Study
 
 from . import variants as v
 
 LENGTH = 25.0
 TG_SOURCE = "second order on smooth data: Mabssout and Pastor (2003), A Taylor-Galerkin algorithm for shock wave propagation, CMAME 192, 955-971"
-
-
-def _ladder(solver: Solver) -> Refinement:
-    if isinstance(solver, MaterialPoint):
-        return halving(LENGTH, 16, quick=5, full=6, courant=0.4, ppc=2)
-    if isinstance(solver, FiniteElement) and solver.degree == 2:
-        return halving(LENGTH, 8, quick=5, full=6, courant=0.25, courant_power=0.5)
-    return halving(LENGTH, 16, quick=5, full=6, courant=0.5)
 
 
 def _converges(solver: Solver) -> tuple[Criterion, ...]:
@@ -82,13 +74,13 @@ STUDY = Study(
         Case(
             "literature",
             axial_vibration(v0=0.1),
-            tuple(Series(s, _ladder(s), (*_literature(s), v.MOMENTUM)) for s in (*LINEAR, *TOTAL, *STALLED)),
+            tuple(Series(s, v.ladder(s, LENGTH), (*_literature(s), v.MOMENTUM)) for s in (*LINEAR, *TOTAL, *STALLED)),
             shown="displacement",
         ),
         Case(
             "small-strain",
             axial_vibration(v0=1e-4),
-            tuple(Series(s, _ladder(s), (*_converges(s), v.MOMENTUM, v.MASS)) for s in v.MPM),
+            tuple(Series(s, v.ladder(s, LENGTH), (*_converges(s), v.MOMENTUM, v.MASS)) for s in v.MPM),
             shown="displacement",
         ),
     ),

@@ -8,7 +8,7 @@ from mpmverify.solution import Solver
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
-from mpmverify.study import Case, Refinement, Series, Study, halving
+from mpmverify.study import Case, Series, Study, halving
 
 from . import variants as v
 
@@ -23,14 +23,6 @@ ACCELERATED: tuple[Solver, ...] = (
     v.FEM_P1[2],
 )
 """Their first step is another one than those that follow."""
-
-
-def _ladder(solver: Solver) -> Refinement:
-    if isinstance(solver, MaterialPoint):
-        return halving(LENGTH, 16, quick=5, full=6, courant=0.4, ppc=2)
-    if isinstance(solver, FiniteElement) and solver.degree == 2:
-        return halving(LENGTH, 8, quick=5, full=6, courant=0.25, courant_power=0.5)
-    return halving(LENGTH, 16, quick=5, full=6, courant=0.5)
 
 
 def _criteria(solver: Solver) -> tuple[Criterion, ...]:
@@ -69,7 +61,7 @@ STUDY = Study(
             Case(
                 name,
                 driven_bar(loaded),
-                tuple(Series(s, _ladder(s), (*_criteria(s), v.MOMENTUM, v.MASS)) for s in SOLVERS),
+                tuple(Series(s, v.ladder(s, LENGTH), (*_criteria(s), v.MOMENTUM, v.MASS)) for s in SOLVERS),
                 shown="displacement",
             )
             for name, loaded in (("loaded-right", "x+"), ("loaded-left", "x-"))
@@ -77,7 +69,7 @@ STUDY = Study(
         Case(
             "accelerated",
             driven_bar(start=0.6),
-            tuple(Series(s, _ladder(s), (*_criteria(s), v.MOMENTUM, v.MASS)) for s in ACCELERATED),
+            tuple(Series(s, v.ladder(s, LENGTH), (*_criteria(s), v.MOMENTUM, v.MASS)) for s in ACCELERATED),
             shown="displacement",
         ),
         Case(

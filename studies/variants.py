@@ -3,9 +3,11 @@
 from itertools import product
 
 from mpmverify.criteria import Balance
+from mpmverify.solution import Solver
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+from mpmverify.study import Refinement, halving
 
 TAYLOR_GALERKIN = (TaylorGalerkin(passes=1), TaylorGalerkin(passes=3))
 
@@ -29,6 +31,16 @@ MPM_DAMPED = tuple(
     MaterialPoint(flip=flip, formulation=formulation) for formulation in ("updated", "total") for flip in (0.95, 0.0)
 )
 MPM = MPM_FLIP + MPM_DAMPED
+
+
+def ladder(solver: Solver, length: float) -> Refinement:
+    """Ladder of a bar of this length on which smooth fields are asymptotic; nu_C falls as h^(1/2) where P2 is of third order."""
+    if isinstance(solver, MaterialPoint):
+        return halving(length, 16, quick=5, full=6, courant=0.4, ppc=2)
+    if isinstance(solver, FiniteElement) and solver.degree == 2:
+        return halving(length, 8, quick=5, full=6, courant=0.25, courant_power=0.5)
+    return halving(length, 16, quick=5, full=6, courant=0.5)
+
 
 MOMENTUM = Balance(
     "momentum", "impulse", "the weights of a basis that sums to one exchange momentum pairwise; the rest is impulse"

@@ -224,7 +224,10 @@ def test_momentum_changes_by_the_impulse_alone(passes, left, right):
     rng = np.random.default_rng(3)
     n = 17
     initial = {quantity: nodal(rng.standard_normal(n + 1), 1 / n) for quantity in ("stress", "velocity")}
-    body_force = lambda X, t: np.cos(3 * t[:, None, None]) * (1 + X)  # noqa: E731
+
+    def body_force(X, t):
+        return np.cos(3 * t[:, None, None]) * (1 + X)
+
     case = problem(BAR, end(left, 2.0), end(right, -1.0), 1.3, initial, body_force=body_force)
     solution = TaylorGalerkin(passes).solve(case, Discretisation(1 / n, 0.5))
     assert solution.outcome.completed
@@ -369,7 +372,9 @@ def test_a_step_load_travels_without_error_at_the_unit_courant_number():
 
 @pytest.mark.parametrize("passes", [1, 3])
 def test_an_absorbing_end_lets_a_pulse_out(passes):
-    shape = lambda X: np.exp(-(((X - 0.5) / 0.1) ** 2))  # noqa: E731
+    def shape(X):
+        return np.exp(-(((X - 0.5) / 0.1) ** 2))
+
     for direction in (1, -1):
         initial = {"stress": shape, "velocity": lambda X, direction=direction: -direction * shape(X) / Z}
         at_ends = {}

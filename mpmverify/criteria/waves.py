@@ -67,8 +67,8 @@ class Dispersion:
     @property
     def metrics(self) -> tuple[str, str, str, str]:
         """Deviation, phase angle k h [rad], and frequency over c k: measured and theoretical."""
-        names = ("dispersion_defect", "phase_angle", "relative_frequency", "theoretical_frequency")
-        return tuple(f"{name}_{self.quantity}" for name in names)  # type: ignore[return-value]
+        of = self.quantity
+        return f"dispersion_defect_{of}", f"phase_angle_{of}", f"relative_frequency_{of}", f"theoretical_frequency_{of}"
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         problem, time = setting.problem.problem, solution.time

@@ -58,6 +58,7 @@ def copied(package: str, solver: Solver) -> Solver:
     home = type(solver).__module__
     parts = home.split(".")
     module = importlib.import_module(".".join([package, *parts[parts.index("solvers") + 1 :]]))
+    # A solver is a frozen dataclass, which its protocol cannot say.
     choices = {field.name: getattr(solver, field.name) for field in dataclasses.fields(solver)}  # type: ignore[arg-type]
     value: Solver = getattr(module, type(solver).__name__)(**choices)
     return value
