@@ -57,9 +57,18 @@ class Transport:
     ----------
     velocity : float
         a [m/s].
+
+    Raises
+    ------
+    UsageError
+        If the velocity is not finite.
     """
 
     velocity: float
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.velocity):
+            raise UsageError(f"the velocity of transport must be finite, not {self.velocity!r}")
 
     @property
     def wave_speed(self) -> float:
@@ -78,11 +87,20 @@ class LinearElastic:
         Reference density rho0 [kg/m^3].
     poissons_ratio : float
         nu [1]; 0 makes a one-dimensional body a slender bar.
+
+    Raises
+    ------
+    UsageError
+        If E or rho0 is not positive and finite, or nu does not lie in (-1, 1/2).
     """
 
     youngs_modulus: float
     density: float
     poissons_ratio: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (0 < self.youngs_modulus < math.inf and 0 < self.density < math.inf and -1 < self.poissons_ratio < 0.5):
+            raise UsageError(f"Young's modulus and density must be positive and finite, and -1 < nu < 1/2: {self!r}")
 
     @property
     def shear_modulus(self) -> float:
@@ -174,7 +192,7 @@ class Problem:
     Raises
     ------
     UsageError
-        If the box is empty, a face lacks its condition or the final time is not positive and finite.
+        If the box is empty, a face lacks its condition, the final time is not positive and finite or there is no output interval.
     """
 
     name: str
@@ -190,8 +208,11 @@ class Problem:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.end_time) and self.end_time > 0):
             raise UsageError(f"problem {self.name!r}: the final time must be positive and finite, not {self.end_time!r}")
-        if len(self.lower) != len(self.upper) or any(not lo < hi for lo, hi in zip(self.lower, self.upper, strict=False)):
-            raise UsageError(f"problem {self.name!r}: every upper bound must exceed its lower bound")
+        if self.outputs < 1:
+            raise UsageError(f"problem {self.name!r}: there must be at least 1 output interval, not {self.outputs!r}")
+        ordered = all(lo < hi for lo, hi in zip(self.lower, self.upper, strict=False))
+        if not (ordered and 1 <= len(self.lower) == len(self.upper)):
+            raise UsageError(f"problem {self.name!r}: give the box a side, and upper bounds above its lower bounds")
         faces = {axis + side for axis in "xyz"[: self.dimension] for side in "-+"}
         if set(self.boundary) != faces:
             raise UsageError(f"problem {self.name!r}: give one boundary condition for each of {', '.join(sorted(faces))}")

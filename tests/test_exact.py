@@ -17,7 +17,7 @@ from mpmverify.exact.elastic_bar import RampLoad, SineLoad, SmoothPulse, StepLoa
 from mpmverify.exact.manufactured import manufactured
 from mpmverify.exact.open_bar import open_bar
 from mpmverify.exact.vibration import axial_vibration
-from mpmverify.problem import Absorbing, Inflow, NeoHookean, Periodic, Traction, Transport, Velocity
+from mpmverify.problem import Absorbing, Inflow, LinearElastic, NeoHookean, Periodic, Traction, Transport, Velocity
 
 STIFF = {"length": 2.5, "youngs_modulus": 7.0, "density": 3.0, "end_time": 9.0}
 C = math.sqrt(7.0 / 3.0)
@@ -271,6 +271,16 @@ def test_periodic_gaussian_is_smooth_where_the_domain_closes():
         (lambda: axial_vibration(ends="free-free"), "free-free"),
         (lambda: manufactured(0.32), "amplitude"),
         (lambda: manufactured(0.0), "amplitude"),
+        (lambda: Transport(math.nan), "velocity of transport must be finite"),
+        (lambda: Transport(math.inf), "velocity of transport must be finite"),
+        (lambda: dataclasses.replace(advection().problem, outputs=0), "at least 1 output interval, not 0"),
+        (lambda: dataclasses.replace(advection().problem, lower=(), upper=(), boundary={}), "give the box a side"),
+        (lambda: dataclasses.replace(advection().problem, lower=(1.0,)), "upper bounds above its lower bounds"),
+        *(
+            (lambda material=material, values=values: material(*values), "must be positive and finite, and -1 < nu < 1/2: ")
+            for material in (LinearElastic, NeoHookean)
+            for values in ((0.0, 1.0), (math.inf, 1.0), (1.0, -1.0), (1.0, math.nan), (1.0, 1.0, 0.5), (1.0, 1.0, -1.0))
+        ),
     ],
 )
 def test_misuse_is_named(make, message):
