@@ -123,9 +123,18 @@ def _closure():
     return field
 
 
+def _local():
+    @dataclasses.dataclass(frozen=True)
+    class Local:
+        x: float = 1.0
+
+    return Local()
+
+
 NO_VALUES = {
     "lambda": lambda x: x,
     "closure": _closure(),
+    "local class": _local(),
     "partial": functools.partial(faulty_solvers.transported, error=0.0),
     "bound method": Gaussian(width=0.3).__call__,
     "class": Gaussian,
@@ -203,6 +212,28 @@ def test_source_that_is_reached_by_imports_changes_the_key(package, module):
     touched = key_in_a_fresh_process(folder)
     path.write_text(source)
     assert touched != key
+
+
+def test_a_helper_beside_a_solver_is_in_its_key_and_a_library_is_not(tmp_path):
+    """A project without a package, whose modules import each other by name."""
+    (tmp_path / "scheme.py").write_text(
+        "import dataclasses, json, numpy, helper\n@dataclasses.dataclass(frozen=True)\nclass Mine:\n    x: float = 1.0\n"
+    )
+    (tmp_path / "helper.py").write_text("import deeper.constants\n")
+    (tmp_path / "deeper").mkdir()
+    (tmp_path / "deeper" / "__init__.py").touch()
+    (tmp_path / "deeper" / "constants.py").write_text("C = 1\n")
+    ask = (
+        "import scheme; from mpmverify.dataset.content import *;"
+        "print(digest(scheme.Mine()), *sorted(import_closure({'scheme'})))"
+    )
+    key, *reached = key_in_a_fresh_process(tmp_path, ask).split()
+    assert reached == ["deeper", "deeper.constants", "helper", "scheme"]
+    for module in ("helper.py", "deeper/constants.py"):
+        (tmp_path / module).write_text((tmp_path / module).read_text() + "# touched\n")
+        touched, *_ = key_in_a_fresh_process(tmp_path, ask).split()
+        assert touched != key
+        key = touched
 
 
 def test_source_that_is_not_reached_leaves_the_key_as_does_the_process(package):

@@ -7,6 +7,7 @@ import importlib.util
 import json
 import platform
 import sys
+import sysconfig
 import textwrap
 from collections.abc import Iterable, Mapping
 from enum import Enum
@@ -58,7 +59,7 @@ def canonical(value: Any, modules: set[str]) -> Any:
     if isinstance(value, Enum):
         modules.add(type(value).__module__)
         return [f"{type(value).__module__}.{type(value).__qualname__}", canonical(value.value, modules)]
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+    if dataclasses.is_dataclass(value) and not isinstance(value, type) and "<locals>" not in type(value).__qualname__:
         modules.add(type(value).__module__)
         fields = {f.name: canonical(getattr(value, f.name), modules) for f in dataclasses.fields(value)}
         return [f"{type(value).__module__}.{type(value).__qualname__}", fields]
@@ -70,7 +71,7 @@ def canonical(value: Any, modules: set[str]) -> Any:
         modules.add(value.__module__)
         return f"{value.__module__}.{value.__qualname__}"
     shown = textwrap.shorten(repr(value), 80)
-    raise UsageError(f"{shown} has no content key: use numbers, strings, frozen dataclasses and module-level functions")
+    raise UsageError(f"{shown} has no content key: use numbers, strings, and frozen dataclasses and functions of a module")
 
 
 @cache
@@ -82,7 +83,7 @@ def library_versions() -> dict[str, str]:
 
 
 def import_closure(modules: Iterable[str]) -> set[str]:
-    """Modules reached by imports from some modules within their own top-level packages and within mpmverify."""
+    """Modules reached by imports from some modules: their own packages, mpmverify, and what is in no library."""
     reached: set[str] = set()
     pending = list(modules)
     while pending:
@@ -118,15 +119,16 @@ def source_digest(module: str) -> str:
 
 @cache
 def imported_siblings(module: str) -> frozenset[str]:
-    """Names that a module imports from its own top-level package or from mpmverify, modules or attributes of one."""
+    """Names that a module imports, modules or attributes of one: from its own package, mpmverify and what is in no library."""
     path = source_path(module)
     if path is None:
         return frozenset()
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     names: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
+            names.update(alias.name.partition(".")[0] for alias in node.names)  # `import a.b` binds a
         elif isinstance(node, ast.ImportFrom):
             base = node.module or ""
             if node.level:
@@ -134,7 +136,20 @@ def imported_siblings(module: str) -> frozenset[str]:
             names.add(base)
             names.update(f"{base}.{alias.name}" for alias in node.names)
     packages = {module.partition(".")[0], "mpmverify"}
-    return frozenset(name for name in names if name.partition(".")[0] in packages)
+    return frozenset(name for name in names if (top := name.partition(".")[0]) in packages or _is_open(top))
+
+
+@cache
+def _is_open(package: str) -> bool:
+    """Whether the source of a top-level package or module lies in no library, so that it may change between two runs."""
+    path = source_path(package) if package else None
+    return path is not None and not in_library(path)
+
+
+def in_library(path: Path) -> bool:
+    """Whether a file belongs to Python or to an installed package."""
+    standard = {Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "platstdlib")}
+    return not {"site-packages", "dist-packages"}.isdisjoint(path.parts) or not standard.isdisjoint(path.resolve().parents)
 
 
 def file_digest(path: Path) -> str:
