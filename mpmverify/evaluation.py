@@ -1,15 +1,17 @@
 """One run from its declaration to its row in the study: solved or read back, compared with the exact solution."""
 
 import dataclasses
+import math
 import textwrap
 import traceback
 from dataclasses import dataclass
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mpmverify.dataset.content import digest
+from mpmverify.dataset.content import digest, in_library
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.level import Level, Snapshots
 from mpmverify.dataset.runs import HISTORY_UNITS, read_run, write_run
@@ -103,6 +105,8 @@ def evaluate(task: Task) -> Evaluated:
             if wrong := _contradiction(task, solution):
                 return failed(task, Status.CRASHED, wrong)
             solution = dataclasses.replace(solution, outcome=_confirmed(solution))
+            if wrong := _breach(task, solution):
+                return failed(task, Status.CRASHED, wrong)
             write_run(path, task.key, solution, str(task))
         else:
             solution = read_run(path, task.key)
@@ -110,21 +114,60 @@ def evaluate(task: Task) -> Evaluated:
     except MpmverifyError:
         raise
     except (Exception, SystemExit) as error:  # a solver under test may raise anything, and its neighbours must still finish
-        where = traceback.extract_tb(error.__traceback__)[-1]
-        return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})")
+        return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({_place(error)})")
+
+
+def _place(error: BaseException) -> str:
+    """File and line of an exception: the innermost of the solver itself, for a library seldom shows what is wrong."""
+    frames = traceback.extract_tb(error.__traceback__)[1:] or traceback.extract_tb(error.__traceback__)
+    where = next((frame for frame in reversed(frames) if not in_library(Path(frame.filename))), frames[-1])
+    return f"{Path(where.filename).name}:{where.lineno}"
 
 
 def _contradiction(task: Task, solution: Any) -> str:
-    """Say why what a solver returned cannot be judged; "" when it can."""
+    """Say why what a solver returned has not the form of a solution; "" when it has."""
     if not isinstance(solution, Solution):
         return f"it returned {type(solution).__name__} instead of a Solution"
     if wrong := solution.inconsistency():
         return f"it returned an inconsistent solution: {wrong}"
     if unknown := sorted(solution.histories.keys() - HISTORY_UNITS.keys()):
         return f"it returned the unknown history {unknown[0]!r}: known are {', '.join(HISTORY_UNITS)}"
-    end, last = task.problem.problem.end_time, solution.time[-1]
-    if solution.outcome.completed and abs(last - end) > 1e-9 * end:
-        return f"it reports completion, but its last output is at {last:g} s and the final time is {end:g} s"
+    if solution.reference.shape[1] != task.problem.problem.dimension:
+        return f"its points have {solution.reference.shape[1]} coordinates in {task.problem.problem.dimension} dimensions"
+    if not (_is_number(solution.dt) and math.isfinite(solution.dt) and solution.dt > 0):
+        return f"its time step dt is {solution.dt!r}, which is not positive and finite"
+    for name, value in dataclasses.asdict(solution.work).items():
+        if not (_is_number(value) and math.isfinite(value) and value >= 0):
+            return f"its work has {name} = {value!r}, which is no finite number from 0"
+    return ""
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+
+
+def _breach(task: Task, solution: Solution) -> str:
+    """Say how a completed solution, finite and of the right form, breaks the contract of `Solution`; "" when it keeps it."""
+    if not solution.outcome.completed:
+        return ""
+    problem, level = task.problem.problem, task.discretisation
+    if solution.dt * problem.material.wave_speed > level.courant * level.h * (1 + 1e-6):
+        limit = level.courant * level.h / problem.material.wave_speed
+        return f"its time step is {solution.dt:g} s, above the limit of {limit:g} s at the Courant number {level.courant:g}"
+    for what, times in (("output", solution.time), ("history", solution.histories["time"])):
+        if times[0] != 0:
+            return f"its first {what} is at {times[0]:g} s instead of 0"
+        if not np.all(np.diff(times) > 0):
+            return f"its {what} times do not rise strictly"
+        if abs(times[-1] - problem.end_time) > 1e-9 * problem.end_time:
+            return (
+                f"it reports completion, but its last {what} is at {times[-1]:g} s and the final time is {problem.end_time:g} s"
+            )
+    if np.any(solution.weight < 0):
+        return f"its weights are negative, down to {np.min(solution.weight):g}"
+    covered, measure = float(np.sum(solution.weight[0])), math.prod(problem.lengths)
+    if abs(covered - measure) > 1e-6 * measure:
+        return f"its first weights sum to {covered:g}, and the measure of the box is {measure:g}"
     return ""
 
 

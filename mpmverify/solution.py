@@ -26,8 +26,8 @@ ADVICE: Mapping[Status, str] = {
     Status.UNSTABLE: "the kinetic energy grew without bound: lower the Courant number",
     Status.NON_FINITE: "a field became NaN or infinite: lower the Courant number, or look for a division by a zero mass or volume",
     Status.LEFT_GRID: "a particle left the background grid: enlarge the domain or lower the load",
-    Status.TIMED_OUT: "the run exceeded its time limit: raise --timeout or coarsen the level",
-    Status.CRASHED: "the solver raised an exception or its process died: run it alone with --jobs 1 --solver NAME",
+    Status.TIMED_OUT: "the run exceeded its time limit: raise the limit or coarsen the level",
+    Status.CRASHED: "the solver raised an exception, returned no valid solution or its process died: run it alone",
 }
 
 
@@ -67,25 +67,45 @@ class Work:
 class Solution:
     """Result of one run; T output times, P sample points, N steps.
 
+    Arrays are plain numpy arrays of real numbers. A completed run that breaks what is said here counts as crashed, and one with
+    a value that is not finite as non-finite; a run that ended early returns what it reached.
+
     Parameters
     ----------
     time : Array
-        Output times (T,) [s].
+        Output times (T,) [s], which rise strictly from 0 to the final time of the problem.
     dt : float
-        Time step [s].
+        Time step [s], the largest one where it varies; at most nu_C h/c.
     reference : Array
         Reference positions of the sample points (P, dim) [m].
     position : Array
         Current positions (T, P, dim) [m].
     weight : Array
-        Quadrature weights (T, P) [m^dim]: each row sums to the measure of the body.
+        Quadrature weights (T, P) [m^dim], not negative. The first row sums to the measure of the box; later rows may be the same
+        or the current volumes V0 F.
     fields : mapping of str to Array
-        (T, P, components) by quantity, all synchronous with `time`.
+        (T, P, components) by quantity, all synchronous with `time`; one component in one dimension. Known are "u", the transported
+        scalar [1], "displacement", current minus reference position [m], "velocity" [m/s], and "stress", which is the Cauchy stress,
+        positive in tension [Pa].
     histories : mapping of str to Array
-        (N + 1,) by name, "time" [s] among them: mass, momentum, impulse, kinetic_energy, strain_energy, external_work,
-        per unit cross-section.
+        (N + 1,) by name, from the start to the end of every step, per unit cross-section; "time" [s], from 0 to the final time, is
+        among them. What else may be there is listed below; a criterion that needs an absent one cannot pass.
     work : Work
     outcome : Outcome
+
+    Notes
+    -----
+    The histories of a body in one dimension, discrete sums of the scheme itself:
+
+    - "mass" [kg/m^2] and "momentum" [kg/(m s)], of all nodes or particles;
+    - "impulse" [kg/(m s)], the integral in time from 0, by the quadrature of the scheme, of all external forces: tractions, the
+      reactions of held or moved ends, and the body force;
+    - "kinetic_energy" and "strain_energy" [J/m^2];
+    - "external_work" [J/m^2], the work of the same forces from 0 by the same quadrature, that of the reactions at moved ends too.
+
+    Those of a transported scalar are "mass" [m], the integral of u over the box, and "inflow" [m], the integral in time from 0 of
+    what enters minus what leaves through open ends. A solver that declares to conserve "mass" returns "mass", and "inflow" too
+    where ends are open; one that conserves "momentum" returns "momentum" and "impulse".
     """
 
     time: Array
@@ -104,12 +124,21 @@ class Solution:
         return sampled | dict(self.fields) | {f"history of {name}": values for name, values in self.histories.items()}
 
     def inconsistency(self) -> str:
-        """Say what contradicts the shapes above; "" when nothing does."""
+        """Say what contradicts the types and shapes above; "" when nothing does."""
+        parts = {"fields": Mapping, "histories": Mapping, "work": Work, "outcome": Outcome}
+        for part, kind in parts.items():
+            if not isinstance(getattr(self, part), kind):
+                return f"{part} is of type {type(getattr(self, part)).__name__} instead of {kind.__name__}"
         unknown = sorted(self.fields.keys() - UNITS.keys())
         if unknown:
             return f"the field {unknown[0]!r} is unknown: known are {', '.join(UNITS)}"
         if "time" not in self.histories:
             return "the histories lack their time"
+        for name, values in self.arrays().items():
+            if type(values) is not np.ndarray:  # a mask or a matrix product would go unnoticed
+                return f"{name} is of type {type(values).__name__} instead of numpy.ndarray"
+            if values.dtype.kind not in "fiu":
+                return f"{name} has the type {values.dtype}, and must hold real numbers"
         shapes = {name: np.shape(values) for name, values in self.arrays().items()}
         if len(shapes["time"]) != 1 or len(shapes["reference"]) != 2 or 0 in shapes["time"] + shapes["reference"]:
             return (

@@ -87,6 +87,10 @@ def _with_u(solution: Solution, values: Array) -> Solution:
     return replace(solution, fields={"u": values})
 
 
+def _with_history(solution: Solution, name: str, values: Array) -> Solution:
+    return replace(solution, histories=dict(solution.histories) | {name: values})
+
+
 def _hang(_: Solution) -> Solution:
     time.sleep(600)
     raise AssertionError("nobody waits so long")
@@ -94,6 +98,11 @@ def _hang(_: Solution) -> Solution:
 
 def _raise(_: Solution) -> Solution:
     raise ZeroDivisionError("a mass of [/zero]\nat node 3 \0 \udc80")
+
+
+def _solve_singular(solution: Solution) -> Solution:
+    np.linalg.inv(np.zeros((2, 2)))
+    return solution
 
 
 def _dawdle(solution: Solution) -> Solution:
@@ -129,6 +138,27 @@ MISDEEDS: Mapping[str, Any] = {
         s, time=s.time[:-1], position=s.position[:-1], weight=s.weight[:-1], fields={"u": s.fields["u"][:-1]}
     ),
     "text-fields": lambda s: _with_u(s, np.full(s.fields["u"].shape, "one")),
+    "complex-fields": lambda s: _with_u(s, s.fields["u"] + 0j),
+    "masked-fields": lambda s: _with_u(s, np.ma.masked_less(s.fields["u"], 0.5)),
+    "masked-weight": lambda s: replace(s, weight=np.ma.masked_less(s.weight, 0.0)),
+    "listed-fields": lambda s: _with_u(s, s.fields["u"].tolist()),
+    "tuple-of-fields": lambda s: replace(s, fields=(s.fields["u"],)),
+    "no-work": lambda s: replace(s, work=None),
+    "plane-points": lambda s: replace(s, reference=np.hstack([s.reference] * 2), position=np.dstack([s.position] * 2)),
+    "no-step": lambda s: replace(s, dt=0.0),
+    "nan-step": lambda s: replace(s, dt=np.nan),
+    "text-step": lambda s: replace(s, dt="short"),
+    "long-step": lambda s: replace(s, dt=s.dt * 1.001),
+    "nan-work": lambda s: replace(s, work=replace(s.work, seconds=np.nan)),
+    "negative-work": lambda s: replace(s, work=replace(s.work, steps=-1)),
+    "late-outputs": lambda s: replace(s, time=s.time + 0.1 * (1 - s.time)),
+    "repeated-outputs": lambda s: replace(s, time=s.time[[0, 1, 1, 3, 4]]),
+    "late-histories": lambda s: _with_history(s, "time", 0.1 + 0.9 * s.histories["time"]),
+    "falling-histories": lambda s: _with_history(s, "time", s.histories["time"] * (3 - 2 * s.histories["time"] ** 4)),
+    "short-histories": lambda s: _with_history(s, "time", s.histories["time"] * (1 - 1e-8)),
+    "negative-weight": lambda s: replace(s, weight=s.weight * np.where(np.arange(len(s.reference)) % 2, 3.0, -1.0)),
+    "half-weight": lambda s: replace(s, weight=s.weight / 2),
+    "singular": _solve_singular,
 }  # fmt: skip
 """What becomes of a good solution, by behaviour."""
 

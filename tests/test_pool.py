@@ -51,7 +51,7 @@ def test_every_run_has_an_outcome(outcomes):
     ("behaviour", "outcome"),
     [
         ("dies", "crashed; the process died with exit status 3; "),
-        ("hangs", "timed out; no result within 2 s; the run exceeded its time limit: raise --timeout"),
+        ("hangs", "timed out; no result within 2 s; the run exceeded its time limit: raise the limit"),
         ("raises", "crashed; ZeroDivisionError: a mass of [/zero] at node 3 ? (faulty_solvers.py:"),
         ("leaves", "crashed; SystemExit: 7 (faulty_solvers.py:"),
         ("nan", "crashed; ModuleNotFoundError: no module named 'nowhere'; "),
