@@ -3,6 +3,7 @@
 import contextlib
 import multiprocessing
 import os
+import pickle
 import signal
 import time
 from collections import deque
@@ -45,6 +46,8 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
 
     Raises
     ------
+    UsageError
+        If a task cannot be sent to a process.
     MpmverifyError
         What a worker raised: misuse, or a damaged results folder.
     """
@@ -90,8 +93,14 @@ class _Worker:
 
     def start(self, task: Task) -> None:
         self.task, self.deadline = task, time.monotonic() + START_UP + self.timeout
-        with contextlib.suppress(BrokenPipeError):  # the process died while idle: receiving says so
+        try:
             self.connection.send(task)
+        except BrokenPipeError:  # the process died while idle: receiving says so
+            pass
+        except (AttributeError, TypeError, pickle.PicklingError) as error:
+            raise UsageError(
+                f"{task} cannot be sent to a worker process ({error}): define the class at the top of a module"
+            ) from error
 
     def receive(self) -> tuple[Task, Evaluated] | None:
         """Take what the process sent; None when the task is not finished by it."""

@@ -45,6 +45,9 @@ class Refinement:
             raise UsageError(f"ladder {self.label!r} has {len(self.levels)} levels: the quick tier cannot run {self.quick}")
 
     def tier(self, tier: str) -> tuple[Discretisation, ...]:
+        """Levels that a tier runs; an unknown tier is a `UsageError`."""
+        if tier not in TIERS:
+            raise UsageError(f"there is no tier {tier!r}: choose from {', '.join(TIERS)}")
         return self.levels[: self.quick] if tier == "quick" else self.levels
 
     @property

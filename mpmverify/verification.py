@@ -3,7 +3,8 @@
 import math
 import pickle
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence, Set
+from numbers import Real
 from pathlib import Path
 
 import numpy as np
@@ -67,16 +68,22 @@ def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterio
     UsageError
         If it declares what is unknown, or no order of a quantity that the exact solution has.
     """
+    if not isinstance(solver.orders, Mapping):
+        raise UsageError(
+            f"solver {solver.name!r} declares its orders as {solver.orders!r}: give a mapping of quantity to order"
+        )
+    if not isinstance(solver.conserves, Set):
+        raise UsageError(f"solver {solver.name!r} declares that it conserves {solver.conserves!r}: give a set of names")
     for quantity, order in solver.orders.items():
         if quantity not in UNITS:
             raise UsageError(
                 f"solver {solver.name!r} declares the order of an unknown {quantity!r}: known are {', '.join(UNITS)}"
             )
-        if not (math.isfinite(order) and order > 0):
+        if not isinstance(order, Real) or isinstance(order, bool | np.bool_) or not (math.isfinite(order) and order > 0):
             raise UsageError(
                 f"solver {solver.name!r} declares the order {order!r} of {quantity}: an order is positive and finite"
             )
-    if unknown := sorted(set(solver.conserves) - set(INVARIANTS)):
+    if unknown := sorted(set(solver.conserves) - set(INVARIANTS), key=str):
         raise UsageError(f"solver {solver.name!r} conserves an unknown {unknown[0]!r}: known are {', '.join(INVARIANTS)}")
     declared = {quantity: order for quantity, order in solver.orders.items() if quantity in problem.exact.fields}
     if not declared:
@@ -174,6 +181,8 @@ def verify(
         If nothing could be judged: the solver lacks a part of the protocol or cannot take the problem, the case is unknown, no
         criterion is given or follows from what it declares.
     """
+    if isinstance(solver, type):
+        raise UsageError(f"{solver.__name__} is a class and no solver: give an instance of it")
     missing = [part for part in ("name", "orders", "conserves", "solve") if not hasattr(solver, part)]
     if missing:
         raise UsageError(f"{type(solver).__name__} is no solver: it lacks {', '.join(missing)}")

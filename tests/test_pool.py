@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
@@ -102,6 +103,19 @@ def test_an_abandoned_iteration_ends_the_workers(tmp_path):
     next(results)
     assert children() > before
     results.close()
+    assert children() == before
+
+
+def test_a_solver_that_cannot_be_sent_is_one_sentence_and_ends_the_workers(tmp_path):
+    @dataclass(frozen=True)
+    class Local(Scripted):
+        pass
+
+    before = children()
+    tasks = tasks_of(study(Scripted(), levels=1), plan(tmp_path))
+    tasks = [tasks[0], replace(tasks[0], solver=Local())]
+    with pytest.raises(UsageError, match=r"cannot be sent to a worker process .*: define the class at the top of a module$"):
+        list(pool.over_processes(tasks, 1, timeout=60.0))
     assert children() == before
 
 

@@ -1,7 +1,8 @@
 """A solver of any origin on a problem: what it declares must hold, and nothing passes that was not judged."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -139,6 +140,18 @@ def test_on_smooth_data_it_cannot_declare_another_order():
     assert [finding.verdict for finding in found] == [Verdict.FAIL, Verdict.FAIL, Verdict.PASS]
 
 
+@dataclass(frozen=True)
+class Declaring:
+    """Declares anything at all."""
+
+    orders: Any = field(default_factory=lambda: {"u": 2.0})
+    conserves: Any = frozenset({"mass"})
+    name: str = "declaring"
+
+    def solve(self, problem, discretisation):
+        return transported(problem, discretisation, discretisation.h**2)
+
+
 # The verdicts.
 
 
@@ -209,6 +222,14 @@ def test_nothing_of_an_earlier_run_is_reused():
     ("solver", "choices", "sentence"),
     [
         (object(), {}, "object is no solver: it lacks name, orders, conserves, solve"),
+        (Scripted, {}, "Scripted is a class and no solver: give an instance of it"),
+        (Declaring(orders=[("u", 2.0)]), {}, "declares its orders as [('u', 2.0)]: give a mapping of quantity to order"),
+        (Declaring(orders={"u": True}), {}, "declares the order True of u: an order is positive and finite"),
+        (Declaring(orders={"u": "2"}), {}, "declares the order '2' of u: an order is positive and finite"),
+        (Declaring(orders={3: 2.0}), {}, "declares the order of an unknown 3: known are u"),
+        (Declaring(conserves="mass"), {}, "declares that it conserves 'mass': give a set of names"),
+        (Declaring(conserves={"mass", 3}), {}, "conserves an unknown 3: known are mass, momentum"),
+        (Scripted(), {"tier": "Full"}, "there is no tier 'Full': choose from quick, full"),
         (Claiming(of=""), {}, "declares no order of u, so that nothing can be expected of it"),
         (Claiming(of="stress"), {}, "declares no order of u, so that nothing can be expected of it"),
         (Claiming(of="temperature"), {}, "declares the order of an unknown 'temperature': known are u, displacement"),
