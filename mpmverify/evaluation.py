@@ -151,23 +151,22 @@ def _breach(task: Task, solution: Solution) -> str:
     if not solution.outcome.completed:
         return ""
     problem, level = task.problem.problem, task.discretisation
+    end = problem.end_time
     if solution.dt * problem.material.wave_speed > level.courant * level.h * (1 + 1e-6):
         limit = level.courant * level.h / problem.material.wave_speed
-        return f"its time step is {solution.dt:g} s, above the limit of {limit:g} s at the Courant number {level.courant:g}"
+        return f"its time step is {solution.dt:.9g} s, above the limit of {limit:.9g} s at the Courant number {level.courant:g}"
     for what, times in (("output", solution.time), ("history", solution.histories["time"])):
         if times[0] != 0:
             return f"its first {what} is at {times[0]:g} s instead of 0"
         if not np.all(np.diff(times) > 0):
             return f"its {what} times do not rise strictly"
-        if abs(times[-1] - problem.end_time) > 1e-9 * problem.end_time:
-            return (
-                f"it reports completion, but its last {what} is at {times[-1]:g} s and the final time is {problem.end_time:g} s"
-            )
+        if abs(times[-1] - end) > 1e-9 * end:
+            return f"it reports completion, but its last {what} is at {times[-1]:.12g} s and the final time is {end:.12g} s"
     if np.any(solution.weight < 0):
         return f"its weights are negative, down to {np.min(solution.weight):g}"
     covered, measure = float(np.sum(solution.weight[0])), math.prod(problem.lengths)
     if abs(covered - measure) > 1e-6 * measure:
-        return f"its first weights sum to {covered:g}, and the measure of the box is {measure:g}"
+        return f"its first weights sum to {covered:.9g}, and the measure of the box is {measure:.9g}"
     return ""
 
 

@@ -144,10 +144,12 @@ class Solution:
             return (
                 f"time {shapes['time']} must be (T,) and reference {shapes['reference']} must be (P, dim), none of them empty"
             )
+        if len(shapes["history of time"]) != 1 or 0 in shapes["history of time"]:
+            return f"the histories' time has the shape {shapes['history of time']}, which must be (N + 1,) and not empty"
         (outputs,), (points, dimension) = shapes["time"], shapes["reference"]
         expected = {"position": (outputs, points, dimension), "weight": (outputs, points)}
         expected |= {name: (outputs, points, *shapes[name][2:3]) for name in self.fields}
-        expected |= {f"history of {name}": shapes["history of time"][:1] for name in self.histories}
+        expected |= {f"history of {name}": shapes["history of time"] for name in self.histories}
         for name, shape in expected.items():
             if shapes[name] != shape or (name in self.fields and len(shape) < 3):
                 return f"{name} has the shape {shapes[name]} beside {outputs} output times and {points} points"

@@ -130,6 +130,8 @@ MISDEEDS: Mapping[str, Any] = {
     "too-few-points": lambda s: _with_u(s, s.fields["u"][:, 1:]),
     "scalar-weight": lambda s: replace(s, weight=np.array(0.1)),
     "ragged-histories": lambda s: replace(s, histories=dict(s.histories) | {"mass": np.ones(2)}),
+    "no-history": lambda s: replace(s, histories={name: values[:0] for name, values in s.histories.items()}),
+    "scalar-histories": lambda s: replace(s, histories={"time": np.array(1.0)}),
     "no-time": lambda s: replace(s, histories={"mass": s.histories["mass"]}),
     "no-output": lambda s: replace(s, time=s.time[:0], position=s.position[:0], weight=s.weight[:0], fields={}),
     "unknown-field": lambda s: replace(s, fields=dict(s.fields) | {"temperature": s.fields["u"]}),
