@@ -219,17 +219,19 @@ def test_a_helper_beside_a_solver_is_in_its_key_and_a_library_is_not(tmp_path):
     (tmp_path / "scheme.py").write_text(
         "import dataclasses, json, numpy, helper\n@dataclasses.dataclass(frozen=True)\nclass Mine:\n    x: float = 1.0\n"
     )
-    (tmp_path / "helper.py").write_text("import deeper.constants\n")
+    (tmp_path / "helper.py").write_text("import deeper.constants\nfrom bare.kernel import flux\n")
     (tmp_path / "deeper").mkdir()
     (tmp_path / "deeper" / "__init__.py").touch()
     (tmp_path / "deeper" / "constants.py").write_text("C = 1\n")
+    (tmp_path / "bare").mkdir()  # a package without __init__.py
+    (tmp_path / "bare" / "kernel.py").write_text("flux = 1\n")
     ask = (
         "import scheme; from mpmverify.dataset.content import *;"
         "print(digest(scheme.Mine()), *sorted(import_closure({'scheme'})))"
     )
     key, *reached = key_in_a_fresh_process(tmp_path, ask).split()
-    assert reached == ["deeper", "deeper.constants", "helper", "scheme"]
-    for module in ("helper.py", "deeper/constants.py"):
+    assert reached == ["bare.kernel", "deeper", "deeper.constants", "helper", "scheme"]
+    for module in ("helper.py", "deeper/constants.py", "bare/kernel.py"):
         (tmp_path / module).write_text((tmp_path / module).read_text() + "# touched\n")
         touched, *_ = key_in_a_fresh_process(tmp_path, ask).split()
         assert touched != key

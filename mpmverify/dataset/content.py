@@ -90,7 +90,7 @@ def import_closure(modules: Iterable[str]) -> set[str]:
         name = pending.pop()
         if name not in reached and source_path(name) is not None:
             reached.add(name)
-            pending.extend(imported_siblings(name))
+            pending.extend(imported_names(name))
     return reached
 
 
@@ -98,7 +98,7 @@ def import_closure(modules: Iterable[str]) -> set[str]:
 def source_path(module: str) -> Path | None:
     """File of a module, or None when it is no Python source or does not exist."""
     package = module.rpartition(".")[0]
-    if package and getattr(source_path(package), "name", "") != "__init__.py":
+    if package and not _folders(package):
         return None  # an attribute of a module; to look for it would import the module
     loaded = sys.modules.get(module)
     origin = getattr(loaded, "__file__", None)
@@ -112,13 +112,26 @@ def source_path(module: str) -> Path | None:
 
 
 @cache
+def _folders(package: str) -> tuple[str, ...]:
+    """Folders of a package, with an __init__.py or without; none of what is no package of Python source."""
+    path = source_path(package)
+    if path is not None:
+        return (str(path.parent),) if path.name == "__init__.py" else ()
+    try:
+        spec = importlib.util.find_spec(package)
+    except (ImportError, ValueError):
+        return ()
+    return tuple(spec.submodule_search_locations or ()) if spec and spec.origin is None else ()
+
+
+@cache
 def source_digest(module: str) -> str:
     path = source_path(module)
     return hashlib.sha256(path.read_bytes()).hexdigest() if path else ""
 
 
 @cache
-def imported_siblings(module: str) -> frozenset[str]:
+def imported_names(module: str) -> frozenset[str]:
     """Names that a module imports, modules or attributes of one: from its own package, mpmverify and what is in no library."""
     path = source_path(module)
     if path is None:
@@ -143,7 +156,8 @@ def imported_siblings(module: str) -> frozenset[str]:
 def _is_open(package: str) -> bool:
     """Whether the source of a top-level package or module lies in no library, so that it may change between two runs."""
     path = source_path(package) if package else None
-    return path is not None and not in_library(path)
+    places = [path] if path else [Path(folder) for folder in _folders(package)] if package else []
+    return any(not in_library(place) for place in places)
 
 
 def in_library(path: Path) -> bool:
