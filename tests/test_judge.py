@@ -55,10 +55,19 @@ def test_every_level_that_is_not_used_is_named(judge):
 def test_every_other_column_is_an_error_and_the_worst_decides(judge):
     two = "dt;displacement;velocity\n4;16;4\n2;4;2\n1;1;1\n"
     result = judge(two, *BAND)
-    assert [line.split(":")[0] for line in result.output.splitlines()] == ["PASS displacement", "FAIL velocity"]
+    assert [line.split(":")[0] for line in result.output.splitlines()] == ["PASS displacement", "FAIL velocity", "Sizes"]
     assert result.exit_code == 1
     assert judge(two, "--error", "displacement", *BAND).exit_code == 0
     assert judge(two, "--h", "velocity", "--error", "displacement", *BAND).exit_code == 0
+
+
+def test_the_sizes_are_those_of_h_and_other_sizes_are_no_errors(judge):
+    table = "dt,h,ppc,u\n1,4,2,16\n1,2,2,4\n1,1,2,1\n"
+    result = judge(table, *BAND)
+    assert [line.split(":")[0] for line in result.output.splitlines()] == ["PASS u", "Sizes"]
+    assert result.output.endswith("Sizes: column 'h'.\n")
+    assert judge(table, "--error", "dt", *BAND).output.startswith("FAIL dt")
+    assert judge("dx,u\n4,16\n2,4\n1,1\n", *BAND).output.endswith("Sizes: column 'dx'.\n")
 
 
 @pytest.mark.parametrize(
@@ -89,7 +98,11 @@ def test_what_separates_and_how_levels_are_ordered_does_not_matter(judge, same):
         ("h\n1\n2\n", (), "has no column of errors beside 'h'"),
         ("h,\n1,2\n", (), "must name every column"),
         ("h,e,e\n1,2,3\n", (), "each name once"),
-        ("h,e\n1,2\n3\n", (), "line 3 has 1 cells where 2 columns are named"),
+        ("h,e\n1,2\n3\n", (), "line 3 has 1 cell where 2 columns are named: the first line must name every column"),
+        ("# mine\nh,e\n1,2\n", (), "line 2 has 2 cells where 1 column is named: the first line must"),
+        (SECOND, ("--error", "h"), "the column 'h' holds the sizes"),
+        ("h,dt,ppc\n1,2,2\n", (), "has no column of errors beside 'h'"),
+        ("h,e\n0.1,2\n0.10000000000000002,3\n", (), "h=0.1 is given twice"),
         ("h,e\n1,2\n\n3,4,5\n", (), "line 4 has 3 cells"),
         ("h,e\n1,two\n", (), "line 2: 'two' in column 'e' is no number"),
         ("h,e\n1,\n", (), "line 2: '' in column 'e' is no number"),

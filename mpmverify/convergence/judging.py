@@ -1,6 +1,6 @@
 """How an error series becomes a verdict."""
 
-from mpmverify.convergence.levels import Numbers
+from mpmverify.convergence.levels import Numbers, numbers
 from mpmverify.convergence.series import FLAT, ROUND_OFF, STEP_SLACK, Classification, Convergence, analyse
 from mpmverify.errors import UsageError
 from mpmverify.verdict import Judgement, Verdict
@@ -74,7 +74,10 @@ def verdict(
     UsageError
         If the series is none, as `analyse` says, or the band is no band.
     """
-    low, high = band or (FLAT, PLAUSIBLE)
+    edges = numbers((FLAT, PLAUSIBLE) if band is None else band, "the band of orders")
+    if edges.shape != (2,):
+        raise UsageError(f"the band of orders must be two numbers, its lower edge first, not {band!r}")
+    low, high = edges.tolist()
     if not low < high:
         raise UsageError(f"the band of orders [{low:g}, {high:g}] is empty: give its lower edge first")
     series = analyse(h, error, expected=band, round_off=round_off, uncertainty=uncertainty)

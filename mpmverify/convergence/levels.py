@@ -9,6 +9,8 @@ from mpmverify.problem import Array
 
 Numbers = Any
 """Anything that numpy makes a one-dimensional array of numbers of."""
+SAME = 1e-6
+"""Relative distance of two sizes below which they are one: 0.1 and 0.30000000000000004 / 3 are no refinement."""
 
 
 def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
@@ -38,7 +40,7 @@ def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
         raise UsageError(f"every h must be positive and finite, not {size:g}")
     coarse_first = np.argsort(-h)
     h, value = h[coarse_first], value[coarse_first]
-    for size in h[:-1][np.diff(h) == 0]:
+    for size in h[:-1][-np.diff(h) <= SAME * h[:-1]]:
         raise UsageError(f"h={size:g} is given twice: every level needs a size of its own")
     return h, value
 
@@ -51,7 +53,7 @@ def numbers(values: Numbers, what: str) -> Array:
         if isinstance(values, np.ma.MaskedArray):
             return np.asarray(np.ma.filled(values.astype(float), np.nan))
         return np.asarray(values, dtype=float)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise UsageError(f"{what} must be real numbers ({error})") from error
 
 

@@ -76,7 +76,9 @@ def read_table(path: Path) -> Table:
     _check_names(path, names)
     for line, cells in lines[1:]:
         if len(cells) != len(names):
-            raise UsageError(f"'{path}', line {line} has {len(cells)} cells where {len(names)} columns are named")
+            found = f"{len(cells)} cell{'s' * (len(cells) != 1)}"
+            named = f"{len(names)} column{'s are' if len(names) != 1 else ' is'} named"
+            raise UsageError(f"'{path}', line {line} has {found} where {named}: the first line must name every column")
     if len(lines) < 2:
         raise UsageError(f"'{path}' has no level below its line of names")
     return Table(path, names, tuple(lines[1:]))
