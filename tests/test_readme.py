@@ -6,12 +6,18 @@ from pathlib import Path
 
 import click
 import pytest
+import yaml
 
 from mpmverify import cli
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 (WORKFLOW,) = re.findall(r"<!-- workflow -->\n```yaml\n(.*?)```", README, re.DOTALL)
 COMMANDS = [shlex.split(line) for line in re.findall(r"^ *(?:- )?run: (mpmverify .*)$", WORKFLOW, re.MULTILINE)]
+
+
+PYTHON = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+ALONE = [block for block in PYTHON if "results/" not in block and "(verify)" not in block]
+"""What needs neither the results of a run nor a solver of the reader's own."""
 
 
 def steps():
@@ -29,7 +35,6 @@ def parsed(arguments: list[str]) -> click.Context:
 
 
 def test_the_workflow_is_yaml():
-    yaml = pytest.importorskip("yaml")
     body = yaml.safe_load(WORKFLOW)
     assert set(body) == {"name", True, "permissions", "jobs"}, "YAML takes `on` for true, and GitHub does not"
     (job,) = body["jobs"].values()
@@ -73,3 +78,21 @@ def test_the_command_line_takes_every_command_of_the_workflow(command):
 
 def test_the_workflow_runs_and_gates():
     assert [command[1] for command in COMMANDS] == ["run", "gate"]
+
+
+@pytest.mark.parametrize("block", ALONE, ids=lambda block: block.splitlines()[0])
+def test_what_the_readme_shows_in_python_runs(block):
+    exec(block, {})
+
+
+def test_only_what_needs_results_or_a_solver_of_ones_own_is_not_run():
+    assert len(ALONE) >= 2
+    assert len(PYTHON) - len(ALONE) <= 2
+
+
+def test_the_readme_says_the_verdict_that_it_gets():
+    (call, verdict, reason) = re.search(r'^(verdict\(.*\))  # \((\w+), "(.*)"\)$', README, re.MULTILINE).groups()
+    (block,) = (block for block in ALONE if call in block)
+    names: dict = {}
+    exec(block, names)
+    assert eval(call, names) == (verdict, reason)
