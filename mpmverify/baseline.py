@@ -5,7 +5,7 @@ A loss by a constant factor leaves every order unchanged; this gate sees it.
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ import numpy as np
 
 from mpmverify.atomic import write_atomic
 from mpmverify.errors import ResultsError
-from mpmverify.gate import Evidence, Judgement, Verdict
+from mpmverify.gate import Evidence, Finding, Judgement, Verdict
 from mpmverify.norms import NORMS
 
 TITLE = "errors against the accepted baseline"
@@ -90,6 +90,25 @@ class Baseline:
         if not compared:
             return Verdict.INCONCLUSIVE, "no error was measured that a baseline could hold"
         return Verdict.PASS, f"{compared} errors within {RELATIVE:.0%} of the baseline"
+
+    def lacking(self, findings: Sequence[Finding]) -> list[Finding]:
+        """One finding for each of the judged studies that lacks series which the baseline holds: a part passes for no whole."""
+        judged = {(f.study, f.solver, f"{f.case} | {f.refinement}") for f in findings}
+        table = []
+        for study in dict.fromkeys(f.study for f in findings):
+            known = [(solver, series) for solver, entry in self.entries.get(study, {}).items() for series in entry]
+            absent = sorted((solver, series) for solver, series in known if (study, solver, series) not in judged)
+            if not absent:
+                continue
+            solver, series = absent[0]
+            case, _, refinement = series.partition(" | ")
+            reason = (
+                f"in the baseline, but not in the results ({len(absent)} of {len(known)} series in all): run the whole study"
+            )
+            table.append(
+                Finding(study, case, solver, refinement, "regression", TITLE, Verdict.INCONCLUSIVE, reason, self.source)
+            )
+        return table
 
     def updated(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> None:
         """Take over the errors of one series."""

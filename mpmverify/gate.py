@@ -155,8 +155,8 @@ def judge(criterion: Criterion, evidence: Evidence) -> Judgement:
 
 
 def exit_status(verdicts: Sequence[Verdict], *, strict: bool = False) -> int:
-    """Exit status of a gate: 0 pass, 1 a gate failed, 3 a run erred, 4 inconclusive under `strict`."""
-    verdict = worst(verdicts)
+    """Exit status of a gate: 0 pass, 1 a gate failed, 3 a run erred or nothing was judged, 4 inconclusive under `strict`."""
+    verdict = worst(verdicts) if verdicts else Verdict.ERROR
     if verdict is Verdict.INCONCLUSIVE:
         return 4 if strict else 0
     return {Verdict.PASS: 0, Verdict.FAIL: 1, Verdict.ERROR: 3}[verdict]

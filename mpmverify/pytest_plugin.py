@@ -52,6 +52,9 @@ def _jobs(text: str) -> int:
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", f"{ROOT}: a criterion of a study, collected by --mpmverify.")
+    # Here, where pytest shows one line for it, and not in a test, where it shows this file.
+    if _collects(config) and not (config.getoption("mpmverify_out") or config.pluginmanager.has_plugin("cacheprovider")):
+        raise pytest.UsageError("the cache of pytest is switched off: choose a results folder with --mpmverify-out")
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:
@@ -68,9 +71,7 @@ def _folder(config: pytest.Config) -> Path:
     """Results folder: runs that are solved are at hand in the next session."""
     if chosen := config.getoption("mpmverify_out"):
         return Path(config.invocation_params.dir, chosen)
-    if config.pluginmanager.has_plugin("cacheprovider"):
-        return Path(config.cache.mkdir(ROOT))
-    raise pytest.UsageError("the cache of pytest is switched off: choose a results folder with --mpmverify-out")
+    return Path(config.cache.mkdir(ROOT))
 
 
 # Collection: mpmverify::study::case::solver::refinement::criterion, from the declarations alone.
@@ -95,7 +96,7 @@ class Studies(pytest.Collector):
         Raises
         ------
         CollectError
-            If one is unknown, or two share a name.
+            If one is unknown or has no criterion, or two share a name.
         """
         from mpmverify import studies
         from mpmverify.bench import Bench
@@ -108,7 +109,10 @@ class Studies(pytest.Collector):
                 if known.setdefault(study.name, name) != name:
                     raise UsageError(f"{known[study.name]!r} and {name!r} are both named {study.name!r}: rename one")
                 bench = Bench(study, self._plan, partial(self._wanted, study.name), ":" not in name, shared)
-                yield Branch.from_parent(self, name=study.name, bench=bench, tree=bench.declared())
+                tree = bench.declared()
+                if not any(titles for cases in tree.values() for ladders in cases.values() for titles in ladders.values()):
+                    raise UsageError(f"the study {name!r} has no criterion: say what must hold of its series")
+                yield Branch.from_parent(self, name=study.name, bench=bench, tree=tree)
         except MpmverifyError as error:
             raise self.CollectError(str(error)) from error
 

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from faulty_solvers import Scripted, study
 
 from mpmverify import cli, display, pool, reports, studies
+from mpmverify.baseline import Baseline
 from mpmverify.dataset.study import read_study
 from mpmverify.gate import Finding, Verdict
 from mpmverify.summary import STEP_SUMMARY
@@ -39,6 +40,14 @@ def bench(monkeypatch):
 
 def call(*arguments, **environment):
     return CliRunner().invoke(cli.cli, [str(argument) for argument in arguments], env=environment)
+
+
+@pytest.fixture(autouse=True)
+def nothing_accepted(tmp_path):
+    """Baseline that nobody has accepted anything into yet."""
+    path = tmp_path / "baseline.json"
+    Baseline(path).write()
+    return path
 
 
 @pytest.fixture
@@ -250,7 +259,7 @@ def test_a_baseline_that_cannot_be_written_is_named(out):
 
 def test_unfinished_runs_are_no_baseline(tmp_path):
     where = ("--out", tmp_path / "r", "--baseline", tmp_path / "b.json")
-    call("run", "broken", *where)
+    call("run", "broken", "--out", tmp_path / "r")
     assert_one_sentence(
         call("baseline", "accept", *where, "--reason", "new"), "broken/hill/scripted-raises", "did not complete"
     )
@@ -272,14 +281,16 @@ def test_list_names_every_study_case_and_solver():
 
 
 def test_solver_restricts_the_study(tmp_path):
-    result = call("run", "slow", "scripted", "--solver", "scripted-unstable", "--out", tmp_path, "--baseline", tmp_path / "b")
+    result = call(
+        "run", "slow", "scripted", "--solver", "scripted-unstable", "--out", tmp_path, "--baseline", tmp_path / "baseline.json"
+    )
     assert result.exit_code == 3
     assert list(read_study(tmp_path / "slow.nc").children) == ["scripted-unstable"]
     assert not (tmp_path / "scripted.nc").exists()
 
 
 def test_courant_changes_every_level(tmp_path):
-    result = call("run", "scripted", "--courant", "0.125", "--out", tmp_path, "--baseline", tmp_path / "b")
+    result = call("run", "scripted", "--courant", "0.125", "--out", tmp_path, "--baseline", tmp_path / "baseline.json")
     assert result.exit_code == 0
     stored = read_study(tmp_path / "scripted.nc")["scripted-good"]
     assert stored["courant"].values.tolist() == [0.125] * 3
@@ -321,11 +332,12 @@ def test_gate_changes_nothing_and_writes_its_summaries(out, tmp_path):
 def test_only_accepting_writes_a_baseline(out, tmp_path):
     """Results that became their own baseline would pass whatever they are."""
     path = tmp_path / "baseline.json"
+    empty = path.read_bytes()
     where = ("--out", out, "--baseline", path)
     for _ in range(2):
         assert "not in the baseline" in " ".join(call("run", "scripted", *where).output.split())
         assert "not in the baseline" in " ".join(call("gate", *where).output.split())
-        assert not path.exists()
+        assert path.read_bytes() == empty
     call("baseline", "accept", *where, "--reason", "the first")
     before = path.read_bytes()
     call("run", "scripted", "--no-cache", *where)

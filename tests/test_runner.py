@@ -129,7 +129,7 @@ def test_a_changed_baseline_judges_anew_without_solving(tmp_path):
     before = judged_once(study(), tmp_path, baseline=read_baseline(path))
     assert verdicts(before, "regression") == [Verdict.INCONCLUSIVE]
     baseline = read_baseline(path)
-    assert accepted(baseline, [read_study(tmp_path / "scripted.nc")], "the first") == 1
+    assert accepted(baseline, [tmp_path / "scripted.nc"], "the first") == 1
     baseline.write()
     after = judged_once(study(), tmp_path, baseline=read_baseline(path))
     assert (after.solved, after.reused) == (0, LEVELS)

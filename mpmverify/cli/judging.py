@@ -13,6 +13,7 @@ import click
 from mpmverify.cli.group import Group
 from mpmverify.cli.options import (
     EPILOG,
+    accepted,
     baseline_option,
     explain_option,
     open_option,
@@ -52,15 +53,13 @@ def gate(
     On GitHub ($GITHUB_ACTIONS is "true") the worst ten findings become annotations.
     """
     from mpmverify import summary as summaries
-    from mpmverify.baseline import read_baseline
-    from mpmverify.dataset.study import read_study
-    from mpmverify.dataset.verdicts import findings as findings_of
-    from mpmverify.dataset.verdicts import judged
+    from mpmverify.dataset.verdicts import read_findings
     from mpmverify.display import show
     from mpmverify.gate import exit_status
 
-    accepted = read_baseline(baseline or shipped_baseline())
-    findings = [f for path in stored(out, studies) for f in findings_of(judged(read_study(path), accepted))]
+    known = accepted(baseline)
+    findings = [finding for path in stored(out, studies) for finding in read_findings(path, known)]
+    findings += known.lacking(findings)
     if junit:
         with _opened(junit, "wb") as file:
             file.write(summaries.junit(findings))
@@ -125,14 +124,12 @@ def baseline() -> None:
 def accept(studies: tuple[str, ...], out: Path, baseline: Path | None, reason: str) -> None:
     """Take the stored errors over into the baseline."""
     from mpmverify.baseline import read_baseline
-    from mpmverify.dataset.study import read_study
-    from mpmverify.dataset.verdicts import accepted
+    from mpmverify.dataset import verdicts
 
     if not reason.strip():
         raise UsageError("--reason must say why the errors may change")
     known = read_baseline(baseline or shipped_baseline())
-    trees = [read_study(path) for path in stored(out, studies)]
-    count = accepted(known, trees, reason.strip())
+    count = verdicts.accepted(known, stored(out, studies), reason.strip())
     known.write()
     click.echo(f"Accepted {count} series into {known.path}")
 

@@ -10,6 +10,7 @@ import click
 from mpmverify.errors import UsageError
 
 if TYPE_CHECKING:
+    from mpmverify.baseline import Baseline
     from mpmverify.dataset.files import Results
 
 EPILOG = "Exit status: 0 pass, 1 a gate failed, 2 usage, 3 a run erred, 4 inconclusive under --strict."
@@ -40,6 +41,15 @@ def shipped_baseline() -> Path:
     from mpmverify import studies
 
     return studies.BASELINE
+
+
+def accepted(path: Path | None) -> "Baseline":
+    """Read the baseline that results are compared with."""
+    from mpmverify.baseline import read_baseline
+
+    if path and not path.exists():
+        raise UsageError(f"there is no baseline '{path}': make it with `mpmverify baseline accept`, or leave --baseline out")
+    return read_baseline(path or shipped_baseline())
 
 
 def stored(out: Path, names: Sequence[str]) -> list[Path]:

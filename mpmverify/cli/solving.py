@@ -10,6 +10,7 @@ import click
 
 from mpmverify.cli.options import (
     EPILOG,
+    accepted,
     baseline_option,
     explain_option,
     jobs_option,
@@ -17,7 +18,6 @@ from mpmverify.cli.options import (
     out_option,
     positive,
     render,
-    shipped_baseline,
     studies_argument,
 )
 from mpmverify.errors import UsageError
@@ -70,7 +70,6 @@ def run(
 
     Without STUDY, all studies run.
     """
-    from mpmverify.baseline import read_baseline
     from mpmverify.dataset.files import Results
     from mpmverify.display import Progress, show
     from mpmverify.gate import exit_status
@@ -80,7 +79,7 @@ def run(
 
     plan = Plan(
         results=Results(out),
-        baseline=read_baseline(baseline or shipped_baseline()),
+        baseline=accepted(baseline),
         tier=tier,
         jobs=jobs or processors(),
         timeout=timeout,
@@ -95,6 +94,7 @@ def run(
         for judged in run_studies(chosen, plan, progress.update):
             findings += judged.findings
             solved, reused = solved + judged.solved, reused + judged.reused
+    findings += plan.baseline.lacking(findings)
     findings.sort(key=lambda finding: names.index(finding.study))
     page = render(plan.results)
     show(findings, explain=explain)
@@ -123,18 +123,17 @@ def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, expl
     What is known of a fault is kept: an interrupted self-test goes on where it was.
     """
     from mpmverify import solvers, studies
-    from mpmverify.baseline import read_baseline
     from mpmverify.dataset.files import Results
     from mpmverify.dataset.selftest import write_selftest
     from mpmverify.display import Progress, show_selftest
     from mpmverify.pool import processors
     from mpmverify.selftest.session import Session
 
-    results, accepted = Results(out), read_baseline(baseline or shipped_baseline())
+    results, known = Results(out), accepted(baseline)
     results.create()
     sources = Path(solvers.__file__).parent
     with Progress() as progress:
-        test = Session(results, studies.get, sources, accepted, tier, jobs or processors()).run(progress.update)
+        test = Session(results, studies.get, sources, known, tier, jobs or processors()).run(progress.update)
     write_selftest(results.selftest, test)
     show_selftest(test, explain=explain)
     click.echo(f"Report: {render(results)}")

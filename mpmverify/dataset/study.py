@@ -11,6 +11,7 @@ Layout
 import dataclasses
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from mpmverify.dataset.files import check_ours
 from mpmverify.dataset.level import Level, SeriesId, Snapshots
 from mpmverify.dataset.runs import history_units
 from mpmverify.dataset.tree import write_tree
-from mpmverify.errors import ResultsError
+from mpmverify.errors import MpmverifyError, ResultsError
 from mpmverify.gate import Evidence
 from mpmverify.norms import NORMS
 from mpmverify.problem import UNITS, Array
@@ -269,11 +270,30 @@ def read_study(path: Path) -> xr.DataTree:
     Raises
     ------
     ResultsError
-        If the file is missing, unreadable, foreign or damaged.
+        If the file is missing, unreadable, foreign, damaged or that of another study than its name says.
     """
-    check_ours(path, "study")
+    study = check_ours(path, "study").get("id")
+    if study != path.stem:
+        raise ResultsError(f"'{path}' holds the study {study!r}: rename it to '{study}.nc', or move it away")
     try:
         with xr.open_datatree(path, engine="netcdf4") as tree:
             return tree.load()
     except (OSError, RuntimeError, ValueError) as error:
+        raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
+
+
+@contextmanager
+def damage(path: Path) -> Iterator[None]:
+    """Name the file whose stored content cannot be understood.
+
+    Raises
+    ------
+    ResultsError
+        If what is done with the content fails by what it lacks or holds.
+    """
+    try:
+        yield
+    except MpmverifyError:
+        raise
+    except (LookupError, ValueError, TypeError, AttributeError) as error:
         raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error

@@ -9,10 +9,9 @@ import numpy as np
 import xarray as xr
 
 from mpmverify.baseline import levels
-from mpmverify.dataset.study import evidence, read_study, series_of, solvers
+from mpmverify.dataset.study import damage, evidence, read_study, series_of, solvers
 from mpmverify.dataset.verdicts import findings
-from mpmverify.errors import ResultsError
-from mpmverify.gate import Verdict
+from mpmverify.gate import Verdict, worst
 from mpmverify.norms import NORMS
 
 PROVENANCE = ("commit", "commit_state", "tier", "versions", "platform", "date_created")
@@ -60,7 +59,7 @@ class Tables:
     orders : mapping
         By (series, "quantity norm"), where a line was fitted.
     verdicts : mapping
-        By (series, "gate: criterion").
+        By (series, "gate: criterion"): the worst where several criteria share their title.
     """
 
     provenance: Mapping[str, Mapping[str, str]]
@@ -81,10 +80,8 @@ def read_tables(paths: Sequence[Path]) -> Tables:
     tables = Tables({}, {}, {}, {}, {})
     for path in paths:
         tree = read_study(path)
-        try:
+        with damage(path):
             part = _tables(tree)
-        except (KeyError, ValueError) as error:
-            raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
         tables = Tables(
             {**tables.provenance, **part.provenance},
             {**tables.runs, **part.runs},
@@ -121,7 +118,8 @@ def _tables(tree: xr.DataTree) -> Tables:
             for name, (order, low, high) in zip(names, fits[row].reshape(-1, 3).tolist(), strict=True):
                 if np.isfinite(order):
                     orders[series, name] = Order(order, low, high, frozenset(ladder))
-    verdicts = {
-        (SeriesKey(study, f.case, f.solver, f.refinement), f"{f.gate}: {f.criterion}"): f.verdict for f in findings(tree)
-    }
+    verdicts: dict[tuple[SeriesKey, str], Verdict] = {}
+    for f in findings(tree):
+        judged = SeriesKey(study, f.case, f.solver, f.refinement), f"{f.gate}: {f.criterion}"
+        verdicts[judged] = worst((f.verdict, verdicts.get(judged, f.verdict)))
     return Tables({study: {name: str(tree.attrs[name]) for name in PROVENANCE}}, runs, errors, orders, verdicts)

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,8 @@ import xarray as xr
 from mpmverify import baseline as regression
 from mpmverify.criteria import CRITERIA, Stall
 from mpmverify.dataset.sources import with_sources
-from mpmverify.dataset.study import evidence, series_of, solvers, text
-from mpmverify.errors import UsageError
+from mpmverify.dataset.study import damage, evidence, read_study, series_of, solvers, text
+from mpmverify.errors import ResultsError, UsageError
 from mpmverify.gate import Criterion, Finding, Verdict, judge
 from mpmverify.norms import NORMS
 from mpmverify.study import Study
@@ -28,12 +29,23 @@ def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
 
     A series that is known to stall has no regression verdict: where particles cross cells the error is noise, and the last
     digits of another compiler are enough to change the first ones.
+
+    Raises
+    ------
+    ResultsError
+        If a criterion is stored of a series that is not: it would hold of nothing, unseen.
     """
     study = tree.attrs["id"]
     for solver, dataset in solvers(tree):
         table = []
         declared = criteria(dataset)
-        for (case, refinement), levels in series_of(dataset).items():
+        series = series_of(dataset)
+        for case, refinement, criterion in declared:
+            if (case, refinement) not in series:
+                raise ResultsError(
+                    f"{criterion.title!r} is to hold of {study}/{case}/{solver} ({refinement}), which is not there: run it again"
+                )
+        for (case, refinement), levels in series.items():
             seen = evidence(dataset, levels)
             mine = [entry for of_case, of_refinement, entry in declared if (of_case, of_refinement) == (case, refinement)]
             judgements = [("verification", criterion.title, judge(criterion, seen), criterion.source) for criterion in mine]
@@ -166,30 +178,56 @@ def _frozen(value: Any) -> Any:
     return tuple(_frozen(entry) for entry in value) if isinstance(value, list) else value
 
 
-def accepted(baseline: regression.Baseline, trees: Sequence[xr.DataTree], reason: str) -> int:
-    """Take the errors of some studies over into a baseline, and return how many series that were.
+def read_findings(path: Path, baseline: regression.Baseline) -> list[Finding]:
+    """Read the file of a study and judge it anew.
 
     Raises
     ------
+    ResultsError
+        If it cannot be read, is damaged, or holds nothing that could be judged.
+    """
+    tree = read_study(path)
+    with damage(path):
+        found = findings(judged(tree, baseline))
+    if not found:
+        raise ResultsError(f"'{path}' holds nothing to judge: delete it and run `mpmverify run` again")
+    return found
+
+
+def accepted(baseline: regression.Baseline, paths: Sequence[Path], reason: str) -> int:
+    """Take the errors of the files of some studies over into a baseline, and return how many series that were.
+
+    Raises
+    ------
+    ResultsError
+        If a file cannot be read, or is damaged.
     UsageError
-        If a run among them did not complete: nothing is taken over then.
+        If a run among them did not complete. Nothing may be written then.
     """
     count = 0
-    for tree in trees:
-        for solver, dataset in solvers(tree):
-            stalled = {(case, refinement) for case, refinement, entry in criteria(dataset) if isinstance(entry, Stall)}
-            for (case, refinement), levels in series_of(dataset).items():
-                if (case, refinement) in stalled:
-                    continue
-                seen = evidence(dataset, levels)
-                failed = [outcome for outcome in seen.outcomes if outcome != "completed"]
-                if failed or not all(np.isfinite(table).all() for table in seen.error.values()):
-                    where = f"{tree.attrs['id']}/{case}/{solver} ({refinement})"
-                    raise UsageError(f"{where} did not complete on every level: a baseline takes finished runs alone")
-                baseline.updated(tree.attrs["id"], solver, case, refinement, seen)
-                count += 1
-    newest = trees[0].attrs
-    baseline.accepted.append(
-        {"date": newest["date_created"], "commit": f"{newest['commit']} ({newest['commit_state']})", "reason": reason}
-    )
+    for path in paths:
+        tree = read_study(path)
+        with damage(path):
+            count += _take_over(baseline, tree)
+    with damage(paths[0]):
+        newest = read_study(paths[0]).attrs
+        entry = {"date": newest["date_created"], "commit": f"{newest['commit']} ({newest['commit_state']})", "reason": reason}
+    baseline.accepted.append(entry)
+    return count
+
+
+def _take_over(baseline: regression.Baseline, tree: xr.DataTree) -> int:
+    count = 0
+    for solver, dataset in solvers(tree):
+        stalled = {(case, refinement) for case, refinement, entry in criteria(dataset) if isinstance(entry, Stall)}
+        for (case, refinement), levels in series_of(dataset).items():
+            if (case, refinement) in stalled:
+                continue
+            seen = evidence(dataset, levels)
+            failed = [outcome for outcome in seen.outcomes if outcome != "completed"]
+            if failed or not all(np.isfinite(table).all() for table in seen.error.values()):
+                where = f"{tree.attrs['id']}/{case}/{solver} ({refinement})"
+                raise UsageError(f"{where} did not complete on every level: a baseline takes finished runs alone")
+            baseline.updated(tree.attrs["id"], solver, case, refinement, seen)
+            count += 1
     return count
