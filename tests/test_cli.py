@@ -226,11 +226,17 @@ def assert_one_sentence(result, *parts):
         ("run scripted --out FILE/results", "cannot write results to 'FILE/results' (Not a directory)"),
         ("run scripted --out FILE", "cannot write results to 'FILE'"),
         ("run scripted --out /proc/results", "cannot write results to '/proc/results'"),
+        (
+            "run scripted --out EMPTY --baseline NOTHING",
+            "there is no baseline 'NOTHING': make it with `mpmverify baseline accept`",
+        ),
+        ("gate --out EMPTY --baseline NOTHING", "there is no baseline 'NOTHING'"),
+        ("selftest --out EMPTY --baseline NOTHING", "there is no baseline 'NOTHING'"),
         ("run scripted --out EMPTY --baseline FOLDER", "'FOLDER' is not an mpmverify baseline"),
     ],
 )
 def test_bad_input_gets_one_sentence(tmp_path, arguments, part):
-    places = {"EMPTY": tmp_path / "empty", "FILE": tmp_path / "file", "FOLDER": tmp_path}
+    places = {"EMPTY": tmp_path / "empty", "FILE": tmp_path / "file", "FOLDER": tmp_path, "NOTHING": tmp_path / "none.json"}
     places["FILE"].write_text("mine")
     for name, path in places.items():
         arguments, part = arguments.replace(name, str(path)), part.replace(name, str(path))
@@ -382,6 +388,29 @@ def test_gate_judges_what_is_stored_with_the_baseline_of_now(out, tmp_path):
         errors["u L2"] /= 1.5
     (tmp_path / "baseline.json").write_text(json.dumps(body))
     assert call("gate", *where).exit_code == 1
+
+
+def test_a_part_of_a_study_passes_for_no_whole(tmp_path):
+    """Series of the baseline that were not run are one verdict a study, whether they were left out or got lost."""
+    where = ("--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
+    call("run", "scripted", *where)
+    call("baseline", "accept", *where, "--reason", "the first")
+    assert call("gate", "--strict", *where).exit_code == 0
+    body = json.loads((tmp_path / "baseline.json").read_text())
+    body["errors"]["scripted"]["other"] = body["errors"]["scripted"]["scripted-good"] | {"hill | nu_C=1": {}}
+    body["errors"]["never run"] = body["errors"]["scripted"]
+    (tmp_path / "baseline.json").write_text(json.dumps(body))
+    for command in ("run", "gate"):
+        result = call(command, "scripted", *where)
+        said = " ".join(result.output.split())
+        assert result.exit_code == 0
+        assert "1 INCONCLUSIVE, 3 PASS." in said
+        assert "scripted/hill/other (nu_C=0.5): errors against the accepted baseline: in the baseline, but not in the" in said
+        assert "(2 of 3 series in all)" in said
+    assert call("gate", "--strict", *where).exit_code == 4
+    restricted = " ".join(call("run", "scripted", "--courant", "0.25", *where).output.split())
+    assert "2 INCONCLUSIVE, 2 PASS." in restricted, "one for what is new, one for all that was left out"
+    assert "(3 of 3 series in all)" in restricted
 
 
 # What is shown.

@@ -391,6 +391,11 @@ def unjudged(path):
         file["scripted-good"].renameVariable("verdict_verdict", "opinion")
 
 
+def renamed(path):
+    with netCDF4.Dataset(path, "a") as file:
+        file.id = "other"
+
+
 @pytest.mark.parametrize("side", [0, 1])
 @pytest.mark.parametrize(
     ("damage", "part"),
@@ -399,6 +404,7 @@ def unjudged(path):
         (foreign, "is not an mpmverify study file"),
         (older, "has schema 2, this version reads"),
         (unjudged, "is damaged"),
+        (renamed, "holds the study 'other': rename it to 'other.nc', or move it away"),
     ],
 )
 def test_a_file_that_cannot_be_compared_is_named_in_one_sentence(two, side, damage, part):
@@ -470,3 +476,11 @@ class Leaking(Worked):
         good = super().solve(problem, discretisation)
         time = good.histories["time"]
         return dataclasses.replace(good, histories=dict(good.histories) | {"mass": 1 - 0.1 * time / time[-1]})
+
+
+@pytest.mark.parametrize("bands", [(1.9, 2.9), (2.9, 1.9)])
+def test_of_criteria_that_share_their_title_the_worst_verdict_is_compared(tmp_path, monkeypatch, bands):
+    criteria = tuple(Order("u", "L2", low, low + 0.2, "made so") for low in bands)
+    monkeypatch.setattr(Order, "title", "twice")
+    tables = stored(tmp_path, study(Worked(), criteria=criteria))
+    assert [verdict for (_, title), verdict in tables.verdicts.items() if title == "verification: twice"] == [Verdict.FAIL]

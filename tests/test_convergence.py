@@ -419,7 +419,22 @@ def test_without_a_band_the_order_is_told_and_the_reason_why_it_does_not_pass():
     assert reason.endswith("without a band to expect it in, no order passes")
 
 
-@pytest.mark.parametrize("band", [(2.2, 1.8), (2.0, 2.0), (math.nan, 2.2), (1.8, math.nan)])
+@pytest.mark.parametrize(
+    "band", [(2.2, 1.8), (2.0, 2.0), (math.nan, 2.2), (1.8, math.nan), (1,), (), (1, 2, 3), 2.0, "12", "second"]
+)
 def test_a_band_that_is_none_is_refused(band):
     with pytest.raises(UsageError, match="band"):
         verdict(HALVED, HALVED**2, band=band)
+
+
+@pytest.mark.parametrize("size", [np.nextafter(0.1, 1), 0.1 * (1 - 9e-7)])
+def test_two_sizes_that_differ_in_the_last_digits_are_no_refinement(size):
+    with pytest.raises(UsageError, match=r"h=0\.1 is given twice"):
+        verdict([0.4, 0.2, 0.1, size], [16, 4, 1, 1], band=(1.8, 2.2))
+    assert verdict([0.4, 0.2, 0.1, 0.1 * (1 - 1e-3)], [16, 4, 1, 1 - 2e-3], band=(1.8, 2.2))[0] is Verdict.PASS
+
+
+@pytest.mark.parametrize(("h", "error"), [([10**400, 1, 2], [1, 2, 3]), ([4, 2, 1], [10**400, 1, 2])])
+def test_a_number_that_no_float_holds_is_refused(h, error):
+    with pytest.raises(UsageError, match="must be real numbers"):
+        verdict(h, error)

@@ -24,7 +24,7 @@ from mpmverify.dataset.files import Results, check_ours
 from mpmverify.dataset.runs import read_run, write_run
 from mpmverify.dataset.study import build, read_study, solvers, write_study
 from mpmverify.dataset.tree import write_tree
-from mpmverify.dataset.verdicts import criteria, findings, judged, with_criteria
+from mpmverify.dataset.verdicts import accepted, criteria, findings, judged, read_findings, with_criteria
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
 from mpmverify.problem import UNITS, Discretisation
@@ -458,15 +458,83 @@ def test_damage_inside_a_study_file_never_raises_anything_else(tmp_path, stored)
     sound = (stored[0] / "mixed.nc").read_bytes()
     rng = np.random.default_rng(7)
     refusals = []
-    for trial in range(24):
+    for _ in range(24):
         damaged = bytearray(sound)
         for position in rng.integers(0, len(sound), 40):
             damaged[position] ^= int(rng.integers(1, 256))
-        path = tmp_path / f"{trial}.nc"
+        path = tmp_path / "mixed.nc"
         path.write_bytes(damaged)
         try:
-            judged(read_study(path), Baseline(tmp_path / "none"))
+            read_findings(path, Baseline(tmp_path / "none"))
         except (ResultsError, UsageError) as error:
             refusals.append(str(error))
     assert refusals
     assert not any("\n" in refusal for refusal in refusals)
+
+
+def without_a_variable(tree):
+    tree["scripted-good"].dataset = tree["scripted-good"].to_dataset(inherit=False).drop_vars("outcome")
+
+
+def without_its_criteria(tree):
+    tree["scripted-good"].dataset = tree["scripted-good"].to_dataset(inherit=False).drop_vars("criterion_json")
+
+
+def with_criterion(change):
+    def damage(tree):
+        dataset = tree["scripted-good"].to_dataset(inherit=False)
+        stored = change(json.loads(dataset["criterion_json"].values[0]))
+        dataset["criterion_json"][0] = stored if isinstance(stored, str) else json.dumps(stored)
+        tree["scripted-good"].dataset = dataset
+
+    return damage
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        without_a_variable,
+        without_its_criteria,
+        with_criterion(lambda stored: "{"),
+        with_criterion(lambda stored: [1]),
+        with_criterion(lambda stored: stored | {"colour": "red"}),
+        with_criterion(lambda stored: {"type": stored["type"]}),
+        with_criterion(lambda stored: {name: value for name, value in stored.items() if name != "type"}),
+    ],
+)
+def test_a_study_that_cannot_be_understood_is_named_by_gate_and_accept(tmp_path, damage):
+    list(run([study()], plan(tmp_path)))
+    path = tmp_path / "scripted.nc"
+    tree = read_study(path)
+    damage(tree)
+    write_study(path, tree)
+    for read in (lambda: read_findings(path, Baseline(path)), lambda: accepted(Baseline(path), [path], "why not")):
+        with pytest.raises(ResultsError, match=rf"^'{path}' is damaged: delete it and run `mpmverify run` again$"):
+            read()
+
+
+def test_a_criterion_of_a_series_that_is_not_there_is_not_dropped(tmp_path):
+    list(run([study()], plan(tmp_path)))
+    path = tmp_path / "scripted.nc"
+    tree = read_study(path)
+    tree["scripted-good"].dataset = with_criteria(
+        tree["scripted-good"].to_dataset(inherit=False).drop_dims("criterion"), [("hill", "nu_C=9", CRITERION_OF_EACH_KIND[0])]
+    )
+    write_study(path, tree)
+    with pytest.raises(ResultsError, match=r"is to hold of scripted/hill/scripted-good \(nu_C=9\), which is not there"):
+        read_findings(path, Baseline(tmp_path / "none"))
+
+
+def test_a_study_without_solvers_passes_nothing(tmp_path):
+    list(run([study()], plan(tmp_path)))
+    path = tmp_path / "scripted.nc"
+    write_study(path, xr.DataTree(read_study(path).to_dataset(inherit=False)))
+    with pytest.raises(ResultsError, match="holds nothing to judge"):
+        read_findings(path, Baseline(tmp_path / "none"))
+
+
+def test_a_study_passes_for_no_other_by_its_name(tmp_path):
+    list(run([study()], plan(tmp_path)))
+    (tmp_path / "scripted.nc").rename(tmp_path / "elastic-bar.nc")
+    with pytest.raises(ResultsError, match=r"holds the study 'scripted': rename it to 'scripted.nc', or move it away$"):
+        read_study(tmp_path / "elastic-bar.nc")

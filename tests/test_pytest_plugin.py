@@ -21,6 +21,7 @@ from faulty_solvers import Scripted, study
 STUDY = study(Scripted(journal="{journal}"), Scripted("flat-fields", journal="{journal}"), Scripted("raises", order=1.0, below=0.0))
 SHORT = study(Scripted(journal="{journal}"), name="short", levels=2)
 TWIN = study(name="short")
+VAIN = study(criteria=())
 NUMBER = 3
 """
 ORDER = "order of u in L2 in [1.9, 2.1]"
@@ -121,6 +122,7 @@ def test_without_its_option_no_study_is_collected(project):
         (["nope"], "unknown study 'nope': choose from advection, elastic-bar, gehojerez-deck"),
         (["own:NOPE"], "the study 'own:NOPE' cannot be imported (module 'own' has no attribute 'NOPE'): give MODULE:NAME"),
         (["nowhere:STUDY"], "the study 'nowhere:STUDY' cannot be imported (No module named 'nowhere'): give MODULE:NAME"),
+        (["own:VAIN"], "the study 'own:VAIN' has no criterion: say what must hold of its series"),
         (["own:NUMBER"], "'own:NUMBER' is of the type int: give the name of a Study"),
         (["own:SHORT", "own:TWIN"], "'own:SHORT' and 'own:TWIN' are both named 'short': rename one"),
     ],
@@ -130,6 +132,17 @@ def test_a_study_that_is_not_there_is_one_sentence(project, names, sentence):
     result.stdout.fnmatch_lines([sentence.replace("[", "[[]") + "*"])
     assert result.ret == pytest.ExitCode.INTERRUPTED
     assert "Traceback" not in result.stdout.str()
+
+
+@pytest.mark.parametrize("options", [(), ("-q",)])
+def test_without_a_cache_a_results_folder_is_asked_for_in_one_sentence(project, options):
+    result = project.runpytest_subprocess("-p", "no:cacheprovider", *options, *studies_of("SHORT"))
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    assert [line for line in result.errlines if line] == [
+        "ERROR: the cache of pytest is switched off: choose a results folder with --mpmverify-out"
+    ]
+    chosen = project.runpytest_subprocess("-p", "no:cacheprovider", "--mpmverify-out", "r", *options, *studies_of("SHORT"))
+    assert chosen.ret == 0
 
 
 def test_the_items_of_a_study_are_its_findings(tmp_path):

@@ -11,7 +11,6 @@ Layout
 import dataclasses
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,7 @@ from mpmverify.dataset.files import check_ours
 from mpmverify.dataset.level import Level, SeriesId, Snapshots
 from mpmverify.dataset.runs import history_units
 from mpmverify.dataset.tree import write_tree
-from mpmverify.errors import MpmverifyError, ResultsError
+from mpmverify.errors import ResultsError
 from mpmverify.gate import Evidence
 from mpmverify.norms import NORMS
 from mpmverify.problem import UNITS, Array
@@ -279,21 +278,4 @@ def read_study(path: Path) -> xr.DataTree:
         with xr.open_datatree(path, engine="netcdf4") as tree:
             return tree.load()
     except (OSError, RuntimeError, ValueError) as error:
-        raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
-
-
-@contextmanager
-def damage(path: Path) -> Iterator[None]:
-    """Name the file whose stored content cannot be understood.
-
-    Raises
-    ------
-    ResultsError
-        If what is done with the content fails by what it lacks or holds.
-    """
-    try:
-        yield
-    except MpmverifyError:
-        raise
-    except (LookupError, ValueError, TypeError, AttributeError) as error:
         raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error

@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from mpmverify.baseline import levels
-from mpmverify.dataset.study import damage, evidence, read_study, series_of, solvers
-from mpmverify.dataset.verdicts import findings
+from mpmverify.dataset.study import evidence, read_study, series_of, solvers
+from mpmverify.dataset.verdicts import damage, findings
 from mpmverify.gate import Verdict, worst
 from mpmverify.norms import NORMS
 

@@ -2,7 +2,8 @@
 
 import dataclasses
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,8 @@ import xarray as xr
 from mpmverify import baseline as regression
 from mpmverify.criteria import CRITERIA, Stall
 from mpmverify.dataset.sources import with_sources
-from mpmverify.dataset.study import damage, evidence, read_study, series_of, solvers, text
-from mpmverify.errors import ResultsError, UsageError
+from mpmverify.dataset.study import evidence, read_study, series_of, solvers, text
+from mpmverify.errors import MpmverifyError, ResultsError, UsageError
 from mpmverify.gate import Criterion, Finding, Verdict, judge
 from mpmverify.norms import NORMS
 from mpmverify.study import Study
@@ -176,6 +177,23 @@ def criteria(dataset: xr.Dataset) -> list[tuple[str, str, Criterion]]:
 def _frozen(value: Any) -> Any:
     """JSON knows no tuples."""
     return tuple(_frozen(entry) for entry in value) if isinstance(value, list) else value
+
+
+@contextmanager
+def damage(path: Path) -> Iterator[None]:
+    """Name the file whose stored content cannot be understood.
+
+    Raises
+    ------
+    ResultsError
+        If what is done with the content fails by what it lacks or holds.
+    """
+    try:
+        yield
+    except MpmverifyError:
+        raise
+    except (LookupError, ValueError, TypeError, AttributeError) as error:
+        raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
 
 
 def read_findings(path: Path, baseline: regression.Baseline) -> list[Finding]:
