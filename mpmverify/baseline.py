@@ -103,7 +103,8 @@ class Baseline:
             solver, series = absent[0]
             case, _, refinement = series.partition(" | ")
             reason = (
-                f"in the baseline, but not in the results ({len(absent)} of {len(known)} series in all): run the whole study"
+                f"in the baseline, but not in the results ({len(absent)} of {len(known)} series in all): run the whole study, "
+                "or take out of the baseline what is gone for good"
             )
             table.append(
                 Finding(study, case, solver, refinement, "regression", TITLE, Verdict.INCONCLUSIVE, reason, self.source)

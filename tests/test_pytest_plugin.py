@@ -134,15 +134,14 @@ def test_a_study_that_is_not_there_is_one_sentence(project, names, sentence):
     assert "Traceback" not in result.stdout.str()
 
 
-@pytest.mark.parametrize("options", [(), ("-q",)])
-def test_without_a_cache_a_results_folder_is_asked_for_in_one_sentence(project, options):
-    result = project.runpytest_subprocess("-p", "no:cacheprovider", *options, *studies_of("SHORT"))
+def test_without_a_cache_a_results_folder_is_asked_for_in_one_sentence(project):
+    options = ("-p", "no:cacheprovider", "--collect-only", "-q", *studies_of("SHORT"))
+    result = project.runpytest_inprocess(*options)
     assert result.ret == pytest.ExitCode.USAGE_ERROR
     assert [line for line in result.errlines if line] == [
         "ERROR: the cache of pytest is switched off: choose a results folder with --mpmverify-out"
     ]
-    chosen = project.runpytest_subprocess("-p", "no:cacheprovider", "--mpmverify-out", "r", *options, *studies_of("SHORT"))
-    assert chosen.ret == 0
+    assert project.runpytest_inprocess("--mpmverify-out=r", *options).ret == 0
 
 
 def test_the_items_of_a_study_are_its_findings(tmp_path):

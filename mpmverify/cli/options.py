@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mpmverify.baseline import Baseline
     from mpmverify.dataset.files import Results
 
-EPILOG = "Exit status: 0 pass, 1 a gate failed, 2 usage, 3 a run erred, 4 inconclusive under --strict."
+EPILOG = "Exit status: 0 pass, 1 a gate failed, 2 usage, 3 a run erred or nothing was judged, 4 inconclusive under --strict."
 
 
 def positive(_ctx: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
