@@ -40,7 +40,7 @@ def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
         raise UsageError(f"every h must be positive and finite, not {size:g}")
     coarse_first = np.argsort(-h)
     h, value = h[coarse_first], value[coarse_first]
-    for size in h[:-1][-np.diff(h) <= SAME * h[:-1]]:
+    for size in h[:-1][np.abs(np.diff(h)) <= SAME * h[:-1]]:
         raise UsageError(f"h={size:g} is given twice: every level needs a size of its own")
     return h, value
 
