@@ -191,7 +191,7 @@ class CriterionItem(pytest.Item):
 
     def runtest(self) -> None:
         if self.finding.verdict == "INCONCLUSIVE" and not self.config.getoption("mpmverify_strict"):
-            pytest.skip(str(self.finding))
+            pytest.skip(str(self.finding))  # neither green nor red: nothing was decided
         if self.finding.verdict != "PASS":
             pytest.fail(_explained(self.finding), pytrace=False)
 

@@ -89,6 +89,7 @@ def lift(X: Array, t: Array) -> Array:
 
 
 def bar(left: BoundaryCondition, right: BoundaryCondition, **choices: object) -> Problem:
+    # The choices are fields of a problem, each of a type of its own.
     return Problem("bar", (LOWER,), (UPPER,), BAR, {"x-": left, "x+": right}, END_TIME, **choices)  # type: ignore[arg-type]
 
 
@@ -334,6 +335,7 @@ def test_a_solver_is_a_frozen_value(solver: Solver) -> None:
     assert again == solver
     assert hash(again) == hash(solver)
     assert again.name == solver.name
+    # A solver is a frozen dataclass, which its protocol cannot say.
     for field in dataclasses.fields(solver):  # type: ignore[arg-type]
         with pytest.raises(dataclasses.FrozenInstanceError):
             setattr(solver, field.name, getattr(solver, field.name))

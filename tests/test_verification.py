@@ -43,7 +43,7 @@ class Plain:
     """No dataclass, and of no module that another process could import."""
 
     name = "plain"
-    orders = {"u": 2.0}  # noqa: RUF012
+    orders = {"u": 2.0}  # noqa: RUF012 - as plain as its author would write it
     conserves = frozenset()
 
     def solve(self, problem, discretisation):

@@ -50,7 +50,7 @@ class Source:
         self._starts = [sum(map(len, self._lines[:k])) for k in range(len(self._lines))]
         trees = [ast.parse(sibling.read_text(encoding="utf-8")) for sibling in siblings]
         nodes = [node for tree in trees for node in ast.walk(tree)]
-        self._records = {  # of what the test has found to be fields
+        self._records = {  # what `_is_field` lets through is an annotated name, which its type cannot say
             node.name: {f.target.id: ast.dump(f.annotation) for f in node.body if _is_field(f)}  # type: ignore[attr-defined]
             for node in nodes
             if isinstance(node, ast.ClassDef) and "NamedTuple" in {name for base in node.bases for name in names(base)}
@@ -62,7 +62,7 @@ class Source:
         }
         """Types of the parameters of the family's functions and records."""
 
-    # Where nodes stand: only expressions and statements are asked, which have their places.
+    # Where nodes stand. Only expressions and statements are asked, which have a place; the type of any node has none.
 
     def begin(self, node: ast.AST) -> int:
         return self._offset(node.lineno, node.col_offset)  # type: ignore[attr-defined]
