@@ -12,7 +12,7 @@ from pathlib import Path
 from mpmverify.atomic import write_atomic
 from mpmverify.baseline import TITLE
 from mpmverify.dataset.level import SeriesId
-from mpmverify.dataset.verdicts import stalls
+from mpmverify.dataset.verdicts import without_baseline
 from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.gate import Finding, Verdict
 from mpmverify.runner import Plan, run
@@ -52,7 +52,7 @@ class Bench:
         tree: dict[str, dict[str, dict[str, list[str]]]] = {}
         for case, series in self.study.series():
             titles = [criterion.title for criterion in series.criteria]
-            if self.gated and not stalls(series.criteria):
+            if self.gated and not without_baseline(series.criteria):
                 titles.append(TITLE)
             refinements = tree.setdefault(case.name, {}).setdefault(series.solver.name, {})
             refinements[series.refinement.label] = list(dict.fromkeys(titles))

@@ -103,6 +103,10 @@ class Criterion(Protocol):
         """Verdict on completed runs, with the reason in one sentence."""
 
 
+class OnOutcomes:
+    """Base of a criterion on how runs end: it is asked of runs with any outcome, every other one of completed runs alone."""
+
+
 @dataclass(frozen=True)
 class Finding:
     """One verdict with everything that a reader needs to act on it.
@@ -137,11 +141,14 @@ class Finding:
 
 
 def judge(criterion: Criterion, evidence: Evidence) -> Judgement:
-    """Judge one criterion; a run that did not complete is an ERROR with its outcome, before any number is looked at."""
+    """Judge one criterion; a run that did not complete is an ERROR with its outcome, before any number is looked at.
+
+    Save for a criterion on outcomes.
+    """
     failed = [
         (name, outcome) for name, outcome in zip(evidence.names, evidence.outcomes, strict=True) if outcome != "completed"
     ]
-    if failed:
+    if failed and not isinstance(criterion, OnOutcomes):
         return Verdict.ERROR, "; ".join(f"{name}: {outcome}" for name, outcome in failed)
     if not evidence.outcomes:
         return Verdict.ERROR, "no level was run"

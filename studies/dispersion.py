@@ -3,7 +3,7 @@
 import math
 from typing import Literal
 
-from mpmverify.criteria import Dispersion
+from mpmverify.criteria import Dispersion, Unstable
 from mpmverify.exact import VerificationProblem
 from mpmverify.exact.vibration import axial_vibration
 from mpmverify.problem import Discretisation
@@ -30,6 +30,14 @@ MPM_SOURCE = (
     "2 - nu_C^2 D and determinant 1 - nu_C^2 D (1 - A) for USL; on the schedules Bardenhagen (2002), doi:10.1006/jcph.2002.7103"
 )
 
+UNSTABLE = "A limit of stability that is elsewhere than theory has it, and an instability that a solver does not report."
+BEYOND = 1.1
+"""Courant number of a run that must be unstable, in limits."""
+LIMIT_SOURCE = (
+    "von Neumann analysis: 4 sin^2(omega dt/2) = 4 where the fastest mode of FEM, and of USF and MUSL with FLIP, comes to its limit; "
+    "nu_C^2 = min 4/[D (2 - A)] for USL; |G| = 1 for Taylor-Galerkin; sources as of the dispersion relations"
+)
+
 
 def _ladder(courant: float, ppc: int = 1) -> Refinement:
     levels = tuple(Discretisation(h=LENGTH / cells, courant=courant, ppc=ppc) for cells in CELLS)
@@ -38,6 +46,12 @@ def _ladder(courant: float, ppc: int = 1) -> Refinement:
 
 def _series(solver: Solver, source: str, courant: float, ppc: int = 1) -> Series:
     return Series(solver, _ladder(courant, ppc), (Dispersion(solver.name, "stress", WAVENUMBER, BOUND, source),))
+
+
+def _unstable(solver: Solver, limit: float, cells: int = 9) -> Series:
+    """Beyond the limit, on so many cells that the mode itself grows."""
+    level = Discretisation(h=LENGTH / cells, courant=BEYOND * limit)
+    return Series(solver, Refinement(f"{BEYOND:g} limits", (level,), quick=1), (Unstable(limit, LIMIT_SOURCE),))
 
 
 def _bar(mode: int, ends: Literal["fixed-fixed", "periodic"]) -> VerificationProblem:
@@ -55,7 +69,8 @@ STUDY = Study(
     name="dispersion",
     title="Dispersion of a mode",
     summary="A mode of a bar, resolved by more or fewer cells, oscillates for some four periods. Every step multiplies it by one complex "
-    "number, known for every scheme: its angle is the frequency omega(kh), its modulus the damping.",
+    "number, known for every scheme: its angle is the frequency omega(kh), its modulus the damping. Above the Courant number at which "
+    "the modulus exceeds 1 a run must end as unstable.",
     cases=(
         Case(
             "ring",
@@ -77,6 +92,18 @@ STUDY = Study(
                 *(_series(_particles(schedule), MPM_SOURCE, 0.6, ppc) for schedule in ("USF", "MUSL") for ppc in (1, 2)),
                 # At one particle per cell the shortest of these waves are overdamped.
                 *(_series(_particles("USL"), MPM_SOURCE, 0.3, ppc) for ppc in (2, 3)),
+            ),
+            shown="stress",
+        ),
+        Case(
+            "beyond-the-limit",
+            axial_vibration(8, length=LENGTH, youngs_modulus=9.0, density=4.0, v0=1e-3, periods=40, exposes=UNSTABLE),
+            (
+                _unstable(TaylorGalerkin(passes=1), 1.0),
+                _unstable(FiniteElement(1, "lumped", "central-differences"), 1.0),
+                _unstable(FiniteElement(1, "consistent", "central-differences"), 1 / math.sqrt(3)),
+                _unstable(_particles("USL"), 1 / math.sqrt(2)),
+                *(_unstable(_particles(schedule), 2.0, cells=16) for schedule in ("USF", "MUSL")),
             ),
             shown="stress",
         ),

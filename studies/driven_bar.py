@@ -61,7 +61,7 @@ STUDY = Study(
             Case(
                 name,
                 driven_bar(loaded),
-                tuple(Series(s, v.ladder(s, LENGTH), (*_criteria(s), v.MOMENTUM, v.MASS)) for s in SOLVERS),
+                tuple(Series(s, v.ladder(s, LENGTH), (*_criteria(s), v.MOMENTUM, v.MASS, v.sums(s))) for s in SOLVERS),
                 shown="displacement",
             )
             for name, loaded in (("loaded-right", "x+"), ("loaded-left", "x-"))
@@ -69,14 +69,14 @@ STUDY = Study(
         Case(
             "accelerated",
             driven_bar(start=0.6),
-            tuple(Series(s, v.ladder(s, LENGTH), (*_criteria(s), v.MOMENTUM, v.MASS)) for s in ACCELERATED),
+            tuple(Series(s, v.ladder(s, LENGTH), (*_criteria(s), v.MOMENTUM, v.MASS, v.sums(s))) for s in ACCELERATED),
             shown="displacement",
         ),
         Case(
             "open-left",
             open_bar(),
             tuple(
-                Series(s, halving(LENGTH, 48, quick=5, full=6, courant=0.5), (*_criteria(s), v.MOMENTUM, v.MASS))
+                Series(s, halving(LENGTH, 48, quick=5, full=6, courant=0.5), (*_criteria(s), v.MOMENTUM, v.MASS, v.sums(s)))
                 for s in v.TAYLOR_GALERKIN
             ),
             shown="stress",

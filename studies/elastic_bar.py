@@ -116,7 +116,7 @@ STUDY = Study(
             load.name,
             elastic_bar(load),
             tuple(
-                Series(solver, _ladder(solver, cells), (*criteria(solver), v.MOMENTUM))
+                Series(solver, _ladder(solver, cells), (*criteria(solver), v.MOMENTUM, v.sums(solver)))
                 for solver in (*v.TAYLOR_GALERKIN, *MPM, *FEM)
             ),
             shown="stress",

@@ -2,7 +2,7 @@
 
 from itertools import product
 
-from mpmverify.criteria import Balance
+from mpmverify.criteria import Balance, FieldSums
 from mpmverify.solution import Solver
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import MaterialPoint
@@ -46,6 +46,17 @@ MOMENTUM = Balance(
     "momentum", "impulse", "the weights of a basis that sums to one exchange momentum pairwise; the rest is impulse"
 )
 MASS = Balance("mass", "", "particles, and the integral of the reference density, keep their mass")
+SUMS_SOURCE = "what a history sums is what the fields are sampled from: a quadrature that is exact for both"
+
+
+def sums(solver: Solver) -> FieldSums:
+    """Histories that a solver sums by a quadrature that its samples follow exactly; the reasons are in `FieldSums`."""
+    if isinstance(solver, TaylorGalerkin):
+        return FieldSums(("mass", "momentum"), SUMS_SOURCE)
+    if isinstance(solver, FiniteElement) and solver.mass == "lumped":
+        return FieldSums(("mass", "momentum", "strain_energy"), SUMS_SOURCE)
+    return FieldSums(("mass", "momentum", "kinetic_energy", "strain_energy"), SUMS_SOURCE)
+
 
 FEM_SOURCE = (
     "orders p + 1 of displacement and p of stress in L2 for elements of degree p: Strang and Fix (1973), An Analysis of the "

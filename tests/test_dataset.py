@@ -19,7 +19,18 @@ from faulty_solvers import Scripted, ladder, plan, study, transported
 
 from mpmverify.atomic import write_atomic
 from mpmverify.baseline import Baseline
-from mpmverify.criteria import CRITERIA, Amplification, Balance, EnergyDrift, Exact, Order, Published, Separated, Stall
+from mpmverify.criteria import (
+    CRITERIA,
+    Amplification,
+    Balance,
+    EnergyDrift,
+    Exact,
+    FieldSums,
+    Order,
+    Published,
+    Separated,
+    Stall,
+)
 from mpmverify.dataset.files import Results, check_ours
 from mpmverify.dataset.runs import read_run, write_run
 from mpmverify.dataset.study import build, read_study, solvers, write_study
@@ -418,6 +429,7 @@ CRITERION_OF_EACH_KIND = (
     Separated("u", "L2", (("h", 1.8, 2.2), ("h/ppc", 1 / 3, 0.1 + 0.2)), "s"),
     Balance("mass", "", "s"),
     EnergyDrift(1.8, "s"),
+    FieldSums(("mass", "momentum"), "s"),
     Amplification(3, 1e-12, "s"),
 )
 

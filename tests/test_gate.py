@@ -17,14 +17,17 @@ from mpmverify.criteria import (
     Balance,
     Dispersion,
     EnergyConserved,
+    EnergyDecays,
     EnergyDrift,
     Exact,
+    FieldSums,
     FrontPosition,
     Order,
     PhaseError,
     Published,
     Separated,
     Stall,
+    Unstable,
 )
 from mpmverify.errors import UsageError
 from mpmverify.exact import ExactSolution, VerificationProblem
@@ -44,12 +47,17 @@ PHASE = PhaseError("u", 2, 0.2, "theory", "tg-consistent-3", 72.0)  # at nu_C = 
 DECAY = AmplitudeDecay("u", 3, 0.2, "theory", "tg-lumped", 64.0)  # at nu_C = 1/2 it loses 3/64 nu_C theta^4 a step
 LOSSLESS = AmplitudeDecay("u", 3, 0.2, "theory", "fem-p1-lumped-cd", 1.0)  # central differences lose nothing
 FRONT = FrontPosition("u", "tg-lumped", 0.1, "theory")
+SUMS = FieldSums(("mass", "momentum"), "theory")
+UNSTABLE, GREW = Unstable(0.4, "theory"), ("unstable; at step 3 of 9; the kinetic energy grew",)
 SEPARATED = Separated("u", "L2", (("h", 1.8, 2.2), ("dt", 0.8, 1.2)), "theory")
 DESIGN_H, DESIGN_DT = (grid.ravel() for grid in np.meshgrid(H[:4], H[:4] / 2, indexing="ij"))
 METRICS = (
     "momentum_defect",
     "mass_defect",
+    "mass_sum_defect",
+    "momentum_sum_defect",
     "energy_drift",
+    "energy_rise",
     "amplification_defect",
     "amplification_modes",
     *DISPERSION.metrics,
@@ -172,6 +180,29 @@ EXAMPLES = [
     (EnergyConserved("theory"), measured(energy_drift=1e-2 * H**2), FAIL),
     (EnergyConserved("theory"), measured(energy_drift=[0, 0, np.nan, 0, 0]), ERROR),
     (EnergyConserved("theory"), measured(), ERROR),
+    (EnergyDecays("theory"), measured(energy_rise=[0, 1e-13, 0, 0, 0]), PASS),
+    (EnergyDecays("theory"), measured(energy_rise=[0, 0, 0, 0, 1e-10]), FAIL),
+    (EnergyDecays("theory"), measured(energy_rise=[0, 0, np.nan, 0, 0]), ERROR),
+    (EnergyDecays("theory"), measured(), ERROR),
+    (SUMS, measured(mass_sum_defect=0 * ONES, momentum_sum_defect=1e-14 * ONES), PASS),
+    (SUMS, measured(mass_sum_defect=0 * ONES, momentum_sum_defect=[0, 0, 0, 0, 1e-11]), FAIL),
+    (SUMS, measured(mass_sum_defect=ONES, momentum_sum_defect=0 * ONES), FAIL),
+    (SUMS, measured(mass_sum_defect=0 * ONES, momentum_sum_defect=[0, 0, 0, 0, np.nan]), ERROR),
+    (SUMS, measured(mass_sum_defect=0 * ONES), ERROR),
+    (SUMS, measured(mass_sum_defect=0 * ONES, momentum_sum_lacks_velocity=ONES), ERROR),
+    (
+        SUMS,
+        measured(mass_sum_defect=0 * ONES, momentum_sum_defect=0 * ONES, momentum_sum_lacks_history=[1, *4 * [np.nan]]),
+        ERROR,
+    ),
+    (SUMS, measured(), ERROR),
+    (UNSTABLE, series(ONES, outcomes=5 * GREW), PASS),
+    (UNSTABLE, series(ONES), FAIL),
+    (UNSTABLE, series(ONES, outcomes=(*4 * GREW, "completed")), FAIL),
+    (UNSTABLE, series(ONES, outcomes=(*4 * GREW, "crashed; it raised")), ERROR),
+    (UNSTABLE, series(ONES, outcomes=(*4 * GREW, "non-finite; at step 2 of 9")), ERROR),
+    (UNSTABLE, series(ONES, outcomes=5 * GREW, courant=[0.5, 0.5, 0.4, 0.5, 0.5] * ONES), ERROR),
+    (UNSTABLE, series(ONES, outcomes=5 * GREW, courant=np.nan * ONES), ERROR),
     (Amplification(1, 1e-12, "theory"), measured(amplification_defect=1e-14 * ONES, amplification_modes=ONES), PASS),
     (Amplification(1, 1e-12, "theory"), measured(amplification_defect=1e-3 * ONES, amplification_modes=ONES), FAIL),
     (Amplification(1, 1e-12, "theory"), measured(amplification_defect=0 * ONES, amplification_modes=0 * ONES), ERROR),
@@ -243,7 +274,10 @@ JUDGED_BY = {
     "error": (ORDER, Stall("u", "L2", 3.0, ""), Exact("u", "L2", 1.0, ""), PUBLISHED),
     "momentum_defect": (Balance("momentum", "impulse", ""),),
     "mass_defect": (Balance("mass", "", ""),),
+    "mass_sum_defect": (SUMS,),
+    "momentum_sum_defect": (SUMS,),
     "energy_drift": (EnergyDrift(1.8, ""), EnergyConserved("")),
+    "energy_rise": (EnergyDecays(""),),
     "amplification_defect": (Amplification(1, 1e-12, ""),),
     "amplification_modes": (Amplification(1, 1e-12, ""),),
     "dispersion_defect_u": (DISPERSION,),
@@ -498,11 +532,13 @@ def histories(**changed) -> Solution:
 
 
 MOMENTUM, MASS, ENERGY = Balance("momentum", "impulse", ""), Balance("mass", "", ""), EnergyDrift(1.8, "")
+RISE = EnergyDecays("")
 ROUND_OFF = 1e-14
 
 
 @pytest.mark.parametrize(
-    ("criterion", "metric"), [(MOMENTUM, "momentum_defect"), (MASS, "mass_defect"), (ENERGY, "energy_drift")]
+    ("criterion", "metric"),
+    [(MOMENTUM, "momentum_defect"), (MASS, "mass_defect"), (ENERGY, "energy_drift"), (RISE, "energy_rise")],
 )
 def test_histories_that_balance_have_no_defect(criterion, metric):
     assert criterion.measure(histories(), BAR) == {metric: pytest.approx(0, abs=ROUND_OFF)}
@@ -518,6 +554,8 @@ def test_a_loss_at_any_time_is_measured_relative_to_what_there_is(loss, when):
     assert abs(loss) / 5 < momentum < abs(loss) / 2.9
     drift = ENERGY.measure(histories(external_work=kick), BAR)["energy_drift"]
     assert drift == pytest.approx(abs(loss), rel=1e-6)
+    rises = (loss < 0 and when > 0) or (loss > 0 and when < N - 1)
+    assert RISE.measure(histories(external_work=kick), BAR)["energy_rise"] == pytest.approx(abs(loss) * rises, rel=1e-6)
 
 
 def test_the_mass_of_a_body_is_that_of_its_density_from_the_start():
@@ -551,7 +589,11 @@ def test_a_history_that_is_not_finite_measures_nothing_finite(which, bad, when):
 
 @pytest.mark.parametrize(
     ("criterion", "missing"),
-    [(MOMENTUM, ("momentum", "impulse")), (MASS, ("mass",)), (ENERGY, ("kinetic_energy", "strain_energy", "external_work"))],
+    [
+        (MOMENTUM, ("momentum", "impulse")),
+        (MASS, ("mass",)),
+        *((c, ("kinetic_energy", "strain_energy", "external_work")) for c in (ENERGY, RISE)),
+    ],
 )
 def test_what_a_solver_does_not_return_or_returns_as_zeros_is_not_measured(criterion, missing):
     for name in missing:

@@ -7,8 +7,8 @@ copy; of every other at least one that is named for it must not.
 import importlib
 import shutil
 import sys
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -17,6 +17,10 @@ import numpy as np
 import pytest
 
 import mpmverify
+from mpmverify import gate
+from mpmverify.exact import ExactSolution, VerificationProblem
+from mpmverify.problem import Discretisation, LinearElastic, Problem, Traction
+from mpmverify.solution import Solution, Work
 
 ROOT = Path(mpmverify.__file__).parent
 H = np.array([0.5, 0.1, 0.25, 0.04, 0.02])
@@ -175,9 +179,29 @@ def evidence_is_relative_and_the_worst_verdict_decides(g: ModuleType) -> None:
     assert g.exit_status([]) == g.exit_status([], strict=True) == 3, "nothing was judged"
 
 
-def a_baseline_is_not_what_it_judges(b: ModuleType) -> None:
-    from mpmverify import gate
+class Passing:
+    """A criterion that holds of everything."""
 
+    title = source = "made so"
+
+    def judge(self, evidence: Any) -> tuple[str, str]:
+        return "PASS", "made so"
+
+
+def runs_that_did_not_complete_are_judged_by_their_outcome_alone(g: ModuleType) -> None:
+    class OnOutcomes(Passing, g.OnOutcomes):
+        pass
+
+    for outcome in ("unstable; at step 3", "crashed; it raised", "timed out"):
+        seen = replace(evidence(g, H), outcomes=("completed",) * 4 + (outcome,))
+        verdict, reason = g.judge(Passing(), seen)
+        assert verdict == "ERROR"
+        assert outcome in reason
+        assert g.judge(OnOutcomes(), seen)[0] == "PASS"
+    assert g.judge(OnOutcomes(), evidence(g, [], h=H[:0]))[0] == "ERROR", "no level was run"
+
+
+def a_baseline_is_not_what_it_judges(b: ModuleType) -> None:
     where = ("study", "solver", "case", "ladder")
     baseline = b.Baseline(Path("unused"))
     assert baseline.judge(*where, evidence(gate, H))[0] == "INCONCLUSIVE"
@@ -189,6 +213,117 @@ def a_baseline_is_not_what_it_judges(b: ModuleType) -> None:
     assert baseline.judge(*where, evidence(gate, np.where(H == 0.1, np.nan, H)))[0] == "ERROR"
     assert baseline.judge(*where[:3], "another", evidence(gate, H))[0] == "INCONCLUSIVE"
     assert baseline.judge(*where, evidence(gate, H, h=H * 0.9))[0] == "INCONCLUSIVE"
+
+
+# Properties of the criteria on histories and outcomes.
+
+MATERIAL = LinearElastic(3.0, 2.0)
+BAR = Problem("bar", (0.0,), (1.0,), MATERIAL, {"x-": Traction(), "x+": Traction()}, 1.0)
+SETTING = gate.Setting(VerificationProblem(BAR, ExactSolution({}, ""), "", ()), Discretisation(0.5, 0.5))
+STOCKS = ("mass", "momentum", "kinetic_energy", "strain_energy")
+
+
+def sampled() -> Solution:
+    """Three points of uneven and changing volume, two outputs on a history of four steps, and sums that are theirs."""
+    rng = np.random.default_rng(2)
+    time, steps = np.array([0.0, 0.5, 1.0]), np.array([0.0, 0.2, 0.5, 0.7, 1.0])
+    weight = np.array([[0.2, 0.5, 0.3], [0.25, 0.4, 0.35], [0.1, 0.6, 0.3]])
+    v, stress = rng.uniform(0.5, 1.5, (2, 3, 3))
+    m = 2.0 * weight[0]
+    sums = {
+        "mass": [m.sum() for _ in time],
+        "momentum": [m @ v[k] for k in range(3)],
+        "kinetic_energy": [0.5 * m @ (v[k] * v[k]) for k in range(3)],
+        "strain_energy": [weight[k] @ (stress[k] * stress[k]) / 6.0 for k in range(3)],
+    }
+    histories = {name: np.interp(steps, time, values) for name, values in sums.items()}
+    fields = {"velocity": v[:, :, None], "stress": stress[:, :, None]}
+    points = np.array([[0.1], [0.5], [0.9]])
+    positions, histories = np.repeat(points[None], 3, axis=0), histories | {"time": steps, "impulse": np.zeros(5)}
+    return Solution(time, 0.2, points, positions, weight, fields, histories, Work())
+
+
+def said(criterion: Any, *solutions: Solution) -> tuple[str, str]:
+    """Verdict and reason on solutions, one level each."""
+    return judged(criterion, *(criterion.measure(solution, SETTING) for solution in solutions))
+
+
+def judged(criterion: Any, *measured: Mapping[str, float]) -> tuple[str, str]:
+    names = {name for metrics in measured for name in metrics}
+    metrics = {name: np.array([entry.get(name, np.nan) for entry in measured]) for name in names}
+    h = 0.5 ** np.arange(len(measured))
+    levels = gate.Evidence(h, h, h, np.ones(len(h), int), ("completed",) * len(h), metrics=metrics)
+    verdict, reason = gate.judge(criterion, levels)
+    return verdict.value, reason
+
+
+def with_history(solution: Solution, **histories: Any) -> Solution:
+    return replace(solution, histories=dict(solution.histories) | histories)
+
+
+def histories_are_sums_of_the_fields(c: ModuleType) -> None:
+    sound, criterion = sampled(), c.FieldSums(STOCKS, "")
+    assert said(criterion, sound)[0] == "PASS"
+    for stock in STOCKS:
+        wrong = with_history(sound, **{stock: sound.histories[stock] * (1 + 1e-9)})
+        assert said(criterion, wrong)[0] == "FAIL"
+        assert said(criterion, sound, wrong)[0] == "FAIL"
+        nothing = with_history(sound, **{stock: np.zeros(5)})
+        assert said(criterion, nothing)[0] == "FAIL"
+    later = replace(sound, fields=dict(sound.fields) | {"velocity": sound.fields["velocity"][[1, 1, 2]]})
+    assert said(criterion, later)[0] == "FAIL"
+    part = c.FieldSums(STOCKS[:1], "").measure(sound, SETTING)
+    assert judged(criterion, part)[0] == "ERROR", "measured before another stock was declared"
+
+
+def zeros_that_balance_are_no_momentum(c: ModuleType) -> None:
+    empty = with_history(sampled(), momentum=np.zeros(5), impulse=np.zeros(5))
+    assert said(c.Balance("momentum", "impulse", ""), empty)[0] == "PASS"
+    verdict, reason = said(c.FieldSums(("mass", "momentum"), ""), empty)
+    assert verdict == "FAIL"
+    assert "of momentum" in reason
+
+
+def what_is_missing_is_named_and_never_passes(c: ModuleType) -> None:
+    sound, criterion = sampled(), c.FieldSums(STOCKS, "")
+    for quantity in ("velocity", "stress"):
+        poorer = replace(sound, fields={name: values for name, values in sound.fields.items() if name != quantity})
+        for solutions in ([poorer], [sound, poorer]):
+            verdict, reason = said(criterion, *solutions)
+            assert verdict == "ERROR"
+            assert reason.endswith(f"the solver does not return the {quantity}")
+    for stock in STOCKS:
+        verdict, reason = said(criterion, replace(sound, histories={k: h for k, h in sound.histories.items() if k != stock}))
+        assert verdict == "ERROR"
+        assert reason.startswith(f"{stock} cannot be compared")
+        assert "does not return this history" in reason
+    verdict, reason = said(criterion, replace(sound, time=np.array([0.0, 0.6, 1.0])))
+    assert verdict == "ERROR"
+    assert "output time" in reason
+    rest = replace(sound, fields={name: 0 * values for name, values in sound.fields.items()})
+    verdict, reason = said(criterion, with_history(rest, **{stock: np.zeros(5) for stock in STOCKS[1:]}))
+    assert verdict == "ERROR"
+    assert "zero throughout" in reason
+
+
+def energy_that_comes_back_does_not_decay(c: ModuleType) -> None:
+    def falling(*total: float) -> Solution:
+        return with_history(sampled(), kinetic_energy=np.array(total), strain_energy=np.ones(5), external_work=np.zeros(5))
+
+    assert said(c.EnergyDecays(""), falling(5, 4, 3, 3, 1))[0] == "PASS"
+    assert said(c.EnergyDecays(""), falling(5, 2, 3, 3, 1))[0] == "FAIL"
+    assert said(c.EnergyDecays(""), falling(5, 4, 3, 3, 3.1))[0] == "FAIL"
+
+
+def instability_must_be_reported(c: ModuleType) -> None:
+    def ended(*outcomes: str) -> str:
+        nu = np.full(len(outcomes), 1.1)
+        return gate.judge(c.Unstable(1.0, ""), gate.Evidence(nu, nu, nu, nu.astype(int), outcomes))[0].value
+
+    assert ended("unstable; at step 2", "unstable; at step 5") == "PASS"
+    assert ended("unstable; at step 2", "completed") == "FAIL"
+    assert ended("unstable; at step 2", "crashed; it raised") == "ERROR"
+    assert ended("non-finite; at step 2") == "ERROR"
 
 
 PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
@@ -203,7 +338,17 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         grid_convergence_is_exact_on_power_laws,
     ),
     "norms": (norms_are_means_over_the_body,),
-    "gate": (evidence_is_relative_and_the_worst_verdict_decides,),
+    "criteria": (
+        histories_are_sums_of_the_fields,
+        zeros_that_balance_are_no_momentum,
+        what_is_missing_is_named_and_never_passes,
+        energy_that_comes_back_does_not_decay,
+        instability_must_be_reported,
+    ),
+    "gate": (
+        evidence_is_relative_and_the_worst_verdict_decides,
+        runs_that_did_not_complete_are_judged_by_their_outcome_alone,
+    ),
     "baseline": (a_baseline_is_not_what_it_judges,),
 }
 
@@ -225,6 +370,7 @@ FITS, SERIES, JUDGING = "convergence/fits.py", "convergence/series.py", "converg
 GCI, LEVELS, REFERENCE = "convergence/gci.py", "convergence/levels.py", "convergence/reference.py"
 FIT_LOGARITHMS = "x, y = np.log(h), np.log(error)\n    dx"
 STUDENT = "float(stdtrit(len(h) - 2, 0.5 + confidence / 2))"
+SUMS, HISTORIES, OUTCOMES = "criteria/sums.py", "criteria/histories.py", "criteria/outcomes.py"
 IN_BAND = "if not (low <= fit.low and fit.high <= high):"
 FAULTS = {
     "order by index": Fault(FITS, FIT_LOGARITHMS, "x, y = -0.7 * np.arange(len(h)), np.log(error)\n    dx"),
@@ -301,6 +447,21 @@ FAULTS = {
     "an infinite size excuses": Fault("gate.py", "np.where(np.isfinite(self.reference[quantity][:, k]), ", "np.where(True, "),
     "inconclusive is an error": Fault("gate.py", "return 4 if strict else 0", "return 4"),
     "an error is a failure": Fault("gate.py", "Verdict.ERROR: 3", "Verdict.ERROR: 1"),
+    "fields compared with themselves": Fault(SUMS, "np.sum(terms, axis=1) - history", "np.sum(terms, axis=1) - np.sum(terms, axis=1)"),
+    "history compared with itself": Fault(SUMS, "np.sum(terms, axis=1) - history", "0 * history"),
+    "mass of the current volume": Fault(SUMS, "material.density * weight[0], weight.shape", "material.density * weight, weight.shape"),
+    "energy of the reference volume": Fault(SUMS, "weight * fields[\"stress\"]", "weight[0] * fields[\"stress\"]"),
+    "rows counted from the start": Fault(SUMS, "np.searchsorted((instants[1:] + instants[:-1]) / 2, solution.time)", "np.arange(len(solution.time))"),
+    "output times not looked at": Fault(SUMS, "<= 1e-9 * problem.end_time", "<= problem.end_time"),
+    "missing field goes unnamed": Fault(SUMS, "if _lacks(stock, what) in evidence.metrics:", "if False:"),
+    "missing stock passed over": Fault(SUMS, "for stock in self.stocks}", "for stock in self.stocks if _defect(stock) in evidence.metrics}"),
+    "first stock alone": Fault(SUMS, "np.concatenate(list(defects.values()))", "list(defects.values())[0]"),
+    "drift for rise": Fault(HISTORIES, "np.minimum.accumulate(total)", "total[0]"),
+    "last rise alone": Fault(HISTORIES, "np.minimum.accumulate(total)", "np.minimum(total, total[-1])"),
+    "completion above the limit passes": Fault(OUTCOMES, "if status != Status.UNSTABLE}", "if status not in (Status.UNSTABLE, Status.COMPLETED)}"),
+    "crash above the limit passes": Fault(OUTCOMES, "if status != Status.UNSTABLE}", "if status == Status.COMPLETED}"),
+    "completion above the limit is an error": Fault(OUTCOMES, "Verdict.FAIL if", "Verdict.ERROR if"),
+    "incomplete runs are judged": Fault("gate.py", "if failed and not isinstance(criterion, OnOutcomes):", "if False:"),
     "compared with itself": Fault("baseline.py", "then = known.get(name, 0.0)", "then = now"),
     "what it judges is its baseline": Fault("baseline.py", "known = accepted.get(level, {})", "known = accepted.get(level, values)"),
     "judging accepts": Fault("baseline.py", "                compared += 1\n", "                compared += 1\n                known[name] = now\n"),

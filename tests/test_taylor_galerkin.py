@@ -187,6 +187,27 @@ def test_no_end_amplifies_what_it_reflects(passes, share, n):
         assert largest_power(one_step(left, right, passes, nu, n), 300) < 6
 
 
+def energy_norm(left: BoundaryCondition, right: BoundaryCondition, passes: int, nu: float, n: int, **otherwise) -> float:
+    """Norm of a step, in the energy of the lumped mass, on states that fulfil what a fixed or a free end prescribes."""
+    mass = np.full(n + 1, 1.0)
+    mass[[0, -1]] /= 2
+    scale = (np.sqrt(mass)[:, None] * [1 / Z, 1.0]).ravel()
+    matrix = scale[:, None] * one_step(left, right, passes, nu, n, **otherwise) / scale
+    held = {2 * i + isinstance(end, Velocity) for i, end in ((0, left), (n, right))}
+    return float(np.linalg.norm(matrix[:, [k for k in range(len(matrix)) if k not in held]], 2))
+
+
+@pytest.mark.parametrize(("passes", "nu"), [(1, 0.3), (1, 0.7), (1, 1.0), (3, 0.3), (3, 0.4), (3, 0.5), (3, 0.55)])
+@pytest.mark.parametrize("n", [4, 16])
+def test_no_step_adds_energy_to_a_bar_between_fixed_and_free_ends(passes, nu, n):
+    for left, right in itertools.product((Velocity(), Traction()), repeat=2):
+        assert energy_norm(left, right, passes, nu, n) <= 1 + 1e-14
+
+
+def test_later_passes_that_do_not_hold_the_prescribed_unknown_add_energy():
+    assert energy_norm(Velocity(), Velocity(), 3, 0.5, 16, scale=0.0) > 1 + 1e-4
+
+
 def test_at_the_limit_itself_nothing_grows_faster_than_linearly():
     """At nu_C = 1 the lumped mass of an end node turns its deviation from the datum over at every step, undamped."""
     for left, right in itertools.product(ENDS, repeat=2):

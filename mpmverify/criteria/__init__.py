@@ -4,9 +4,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from mpmverify.criteria.errors import Exact, Order, Published, Stall
-from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDrift
+from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift
 from mpmverify.criteria.modes import Amplification
+from mpmverify.criteria.outcomes import Unstable
 from mpmverify.criteria.sources import Separated
+from mpmverify.criteria.sums import FieldSums
 from mpmverify.criteria.waves import AmplitudeDecay, Dispersion, FrontPosition, PhaseError
 
 __all__ = [
@@ -16,14 +18,17 @@ __all__ = [
     "Balance",
     "Dispersion",
     "EnergyConserved",
+    "EnergyDecays",
     "EnergyDrift",
     "Exact",
+    "FieldSums",
     "FrontPosition",
     "Order",
     "PhaseError",
     "Published",
     "Separated",
     "Stall",
+    "Unstable",
 ]
 
 CRITERIA: Mapping[str, type[Any]] = {
@@ -35,8 +40,11 @@ CRITERIA: Mapping[str, type[Any]] = {
         Published,
         Separated,
         Balance,
+        FieldSums,
         EnergyDrift,
         EnergyConserved,
+        EnergyDecays,
+        Unstable,
         Amplification,
         Dispersion,
         PhaseError,

@@ -8,7 +8,7 @@ import numpy as np
 from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
 from mpmverify.criteria.judging import are_sizes, judge_largest, relative_defect
 from mpmverify.gate import Evidence, Judgement, Setting, Verdict
-from mpmverify.problem import LinearElastic
+from mpmverify.problem import Array, LinearElastic
 from mpmverify.solution import Solution
 
 
@@ -71,16 +71,23 @@ DRIFT_ROUND_OFF = 1e-11
 """Relative energy drift at and below which nothing drifts."""
 
 
-DRIFT = "energy_drift"
+DRIFT, RISE = "energy_drift", "energy_rise"
+
+
+def surplus(solution: Solution) -> tuple[Array, float] | None:
+    """Kinetic plus strain energy less external work (N + 1,), and the largest energy [J/m^2]; None where a history is absent."""
+    history = solution.histories
+    if not {"kinetic_energy", "strain_energy", "external_work"} <= history.keys():
+        return None
+    energy = history["kinetic_energy"] + history["strain_energy"]
+    return energy - history["external_work"], float(np.max(np.abs(energy)))
 
 
 def energy_drift(solution: Solution) -> Mapping[str, float]:
     """Largest drift of kinetic plus strain energy less external work, relative to the largest energy."""
-    history = solution.histories
-    if not {"kinetic_energy", "strain_energy", "external_work"} <= history.keys():
+    if (found := surplus(solution)) is None:
         return {}
-    total = history["kinetic_energy"] + history["strain_energy"] - history["external_work"]
-    scale = np.max(np.abs(history["kinetic_energy"] + history["strain_energy"]))
+    total, scale = found
     return relative_defect(DRIFT, total - total[0], scale)
 
 
@@ -140,3 +147,31 @@ class EnergyConserved:
 
     def judge(self, evidence: Evidence) -> Judgement:
         return judge_largest(evidence.metrics[DRIFT], self.bound, "relative energy drift")
+
+
+@dataclass(frozen=True)
+class EnergyDecays:
+    """Kinetic plus strain energy less external work never rises, to round-off: a dissipative scheme gives nothing back.
+
+    Parameters
+    ----------
+    source : str
+    bound : float
+        Largest rise over the least value before, relative to the largest energy.
+    """
+
+    source: str
+    bound: float = DRIFT_ROUND_OFF
+
+    @property
+    def title(self) -> str:
+        return f"energy never rises by more than {self.bound:g}"
+
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
+        if (found := surplus(solution)) is None:
+            return {}
+        total, scale = found
+        return relative_defect(RISE, total - np.minimum.accumulate(total), scale)
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        return judge_largest(evidence.metrics[RISE], self.bound, "relative rise of the energy")

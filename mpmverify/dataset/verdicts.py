@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from mpmverify import baseline as regression
-from mpmverify.criteria import CRITERIA, Stall
+from mpmverify.criteria import CRITERIA, Stall, Unstable
 from mpmverify.dataset.sources import with_sources
 from mpmverify.dataset.study import evidence, read_study, series_of, solvers, text
 from mpmverify.errors import MpmverifyError, ResultsError, UsageError
@@ -20,16 +20,16 @@ from mpmverify.norms import NORMS
 from mpmverify.study import Study
 
 
-def stalls(criteria: Iterable[Criterion]) -> bool:
-    """Whether a series is known to stall, so that it has no regression verdict."""
-    return any(isinstance(criterion, Stall) for criterion in criteria)
+def without_baseline(criteria: Iterable[Criterion]) -> bool:
+    """Whether a series is known to stall or to become unstable, so that it has no regression verdict."""
+    return any(isinstance(criterion, Stall | Unstable) for criterion in criteria)
 
 
 def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
     """Return a study's tree with its fits and verdicts made anew: verification by its criteria, regression by the baseline.
 
     A series that is known to stall has no regression verdict: where particles cross cells the error is noise, and the last
-    digits of another compiler are enough to change the first ones.
+    digits of another compiler are enough to change the first ones. One that is unstable has no error.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
             seen = evidence(dataset, levels)
             mine = [entry for of_case, of_refinement, entry in declared if (of_case, of_refinement) == (case, refinement)]
             judgements = [("verification", criterion.title, judge(criterion, seen), criterion.source) for criterion in mine]
-            if not stalls(mine):
+            if not without_baseline(mine):
                 judgement = baseline.judge(study, solver, case, refinement, seen)
                 judgements.append(("regression", regression.TITLE, judgement, baseline.source))
             for gate, title, (verdict, reason), source in judgements:
@@ -237,9 +237,9 @@ def accepted(baseline: regression.Baseline, paths: Sequence[Path], reason: str) 
 def _take_over(baseline: regression.Baseline, tree: xr.DataTree) -> int:
     count = 0
     for solver, dataset in solvers(tree):
-        stalled = {(case, refinement) for case, refinement, entry in criteria(dataset) if isinstance(entry, Stall)}
+        skipped = {(case, refinement) for case, refinement, entry in criteria(dataset) if without_baseline([entry])}
         for (case, refinement), levels in series_of(dataset).items():
-            if (case, refinement) in stalled:
+            if (case, refinement) in skipped:
                 continue
             seen = evidence(dataset, levels)
             failed = [outcome for outcome in seen.outcomes if outcome != "completed"]

@@ -1,0 +1,41 @@
+"""Criterion on how runs end: beyond its stability limit a scheme must say that it is unstable."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mpmverify.gate import Evidence, Judgement, OnOutcomes, Setting, Verdict
+from mpmverify.solution import Solution, Status
+
+
+@dataclass(frozen=True)
+class Unstable(OnOutcomes):
+    """Every run of a series beyond the stability limit ends as unstable: neither completed, nor crashed, nor non-finite.
+
+    The initial data must hold a mode that grows, so that it does not take round-off to start it.
+
+    Parameters
+    ----------
+    limit : float
+        Courant number up to which the scheme is stable; all levels lie above.
+    source : str
+    """
+
+    limit: float
+    source: str
+
+    @property
+    def title(self) -> str:
+        return f"unstable above nu_C = {self.limit:.4g}"
+
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
+        return {}
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        if not (evidence.courant > self.limit).all():
+            return Verdict.ERROR, f"a level at nu_C={evidence.courant.min():g} does not lie above the limit"
+        ended = {name: outcome.partition(";")[0] for name, outcome in zip(evidence.names, evidence.outcomes, strict=True)}
+        wrong = {name: status for name, status in ended.items() if status != Status.UNSTABLE}
+        verdict = Verdict.FAIL if Status.COMPLETED in wrong.values() else Verdict.ERROR
+        if wrong:
+            return verdict, f"not unstable above the limit: {'; '.join(f'{name}: {status}' for name, status in wrong.items())}"
+        return Verdict.PASS, f"unstable on every level, nu_C from {evidence.courant.min():.4g} on"
