@@ -52,13 +52,14 @@ def merged(studies: Iterable[Study]) -> list[Study]:
     return list(table.values())
 
 
-VIBRATION, DRIVEN, BAR, ADVECTION, DECK, MANUFACTURED = (
+VIBRATION, DRIVEN, BAR, ADVECTION, DECK, MANUFACTURED, DISPERSION = (
     "axial-vibration",
     "driven-bar",
     "elastic-bar",
     "advection",
     "gehojerez-deck",
     "manufactured-1d",
+    "dispersion",
 )
 TRIALS: dict[str, tuple[Trial, ...]] = {
     "mpm": (
@@ -79,6 +80,8 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(BAR, "pulse", "mpm-ul-linear-musl-pic"),
         Trial(MANUFACTURED, "no-crossing", "mpm-ul-linear-musl-blend95"),
         Trial(MANUFACTURED, "crossing", "mpm-tl-quadratic-usf-flip"),
+        Trial(DISPERSION, "fixed-fixed", "mpm-tl-linear-usl-flip"),
+        Trial(DISPERSION, "beyond-the-limit", "mpm-tl-linear-usl-flip"),
     ),
     "taylor_galerkin": (
         Trial(DECK, "deck", "tg-lumped"),
@@ -94,6 +97,7 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(VIBRATION, "literature", "tg-lumped"),
         Trial(VIBRATION, "literature", "tg-consistent-3"),
         Trial(BAR, "step", "tg-consistent-3"),
+        Trial(DISPERSION, "beyond-the-limit", "tg-lumped"),
     ),
     "fem": (
         Trial(DRIVEN, "loaded-right", "fem-p1-consistent-newmark"),
@@ -106,6 +110,7 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(VIBRATION, "literature", "fem-p1-consistent-cd"),
         Trial(BAR, "pulse", "fem-p2-consistent-cd"),
         Trial(MANUFACTURED, "crossing", "fem-p1-consistent-cd"),
+        Trial(DISPERSION, "beyond-the-limit", "fem-p1-consistent-cd"),
     ),
 }
 """Trials by family."""
