@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mpmverify.baseline import Baseline
+from mpmverify.criteria import Dispersion
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.kill_table import UnmodifiedRun
 from mpmverify.gate import worst
 from mpmverify.runner import Plan, run
 from mpmverify.selftest.processes import environment
 from mpmverify.selftest.verdict import counts
-from mpmverify.study import Study
+from mpmverify.study import Series, Study
 from mpmverify.summary import ranked
 
 JITTER = 1e-5
@@ -41,7 +42,7 @@ def unmodified(studies: Sequence[Study], setting: Setting, baseline: Baseline) -
     """Run and judge the trials once, in a folder of their own."""
     began = time.perf_counter()
     if setting.jitter:
-        studies = [_jittered(study, setting) for study in studies]
+        studies = [jittered(study, setting) for study in studies]
     with tempfile.TemporaryDirectory(prefix="mpmverify-") as folder, environment(dict.fromkeys(THREADS, str(setting.threads))):
         plan = Plan(Results(Path(folder)), baseline, jobs=setting.jobs)
         findings = [finding for judged in run(studies, plan) for finding in judged.findings if counts(finding)]
@@ -55,9 +56,13 @@ def unmodified(studies: Sequence[Study], setting: Setting, baseline: Baseline) -
     )
 
 
-def _jittered(study: Study, setting: Setting) -> Study:
-    cases = []
-    for case in study.cases:
-        moved = (dataclasses.replace(s, refinement=s.refinement.with_jitter(setting.jitter, setting.seed)) for s in case.series)
-        cases.append(dataclasses.replace(case, series=tuple(moved)))
+def jittered(study: Study, setting: Setting) -> Study:
+    """Move the particles of every series, save where a dispersion relation, which is that of equal cells, is to hold to round-off."""
+
+    def moved(series: Series) -> Series:
+        if any(isinstance(criterion, Dispersion) for criterion in series.criteria):
+            return series
+        return dataclasses.replace(series, refinement=series.refinement.with_jitter(setting.jitter, setting.seed))
+
+    cases = (dataclasses.replace(case, series=tuple(map(moved, case.series))) for case in study.cases)
     return dataclasses.replace(study, cases=tuple(cases))
