@@ -4,6 +4,7 @@ import ast
 import dataclasses
 import math
 import os
+import tempfile
 import time
 from collections import Counter
 
@@ -30,8 +31,9 @@ from mpmverify.selftest.processes import each_alone
 from mpmverify.selftest.rules import RULES, faults, sampled
 from mpmverify.selftest.survivors import EXPLAINED
 from mpmverify.selftest.trials import TRIALS, Trial, merged
-from mpmverify.selftest.unmodified import settings
-from mpmverify.selftest.verdict import Court, deviation
+from mpmverify.selftest.unmodified import jittered, settings
+from mpmverify.selftest.verdict import CONTRACT, Court, deviation
+from mpmverify.solution import Outcome, Status
 
 TOY = '''
 from typing import NamedTuple
@@ -175,6 +177,15 @@ def test_settings_differ_and_vary_processes_threads_and_seeds():
     assert {s.threads for s in chosen} == {1, 2, 4}
 
 
+def test_particles_are_moved_save_under_a_dispersion_relation():
+    for declared in (Trial("dispersion", "fixed-fixed", "mpm-tl-linear-usl-flip"), TRIALS["mpm"][0]):
+        study = declared.of(studies.get)
+        (before, *_), (after, *_) = (list(entry.series()) for entry in (study, jittered(study, settings(2)[1])))
+        moved = [level.jitter > 0 for level in after[1].refinement.levels]
+        assert set(moved) == {declared.study != "dispersion"}
+        assert after[1].criteria == before[1].criteria
+
+
 # Fates.
 
 
@@ -186,6 +197,11 @@ def test_deviation_is_relative_to_what_cancels_and_infinite_where_shapes_differ(
     assert deviation(moved, theirs) == pytest.approx(1e-6)
     assert math.isinf(deviation(dataclasses.replace(theirs, fields={"u": theirs.fields["u"][:, 1:]}), theirs))
     assert math.isinf(deviation(dataclasses.replace(theirs, dt=1.0), theirs))
+    unstable = dataclasses.replace(theirs, outcome=Outcome(Status.UNSTABLE, "at step 3"))
+    later = dataclasses.replace(moved, outcome=Outcome(Status.UNSTABLE, "at step 4"), fields={"u": 9 * theirs.fields["u"][1:]})
+    assert deviation(unstable, later) == 0
+    assert math.isinf(deviation(unstable, theirs))
+    assert math.isinf(deviation(theirs, unstable))
     # A momentum that cancels to 1e-17 is not compared with itself, but with sqrt(2 m E).
     ones = np.ones(len(theirs.histories["time"]))
     history = dict(theirs.histories) | {"momentum": 1e-17 * ones, "kinetic_energy": 2 * ones}
@@ -201,13 +217,14 @@ def deck(tmp_path_factory):
     trial = Trial("gehojerez-deck", "deck", "tg-lumped").of(studies.get)
     none = Baseline(folder / "none.json")
     assert list(run([trial], Plan(Results(folder), none, jobs=0)))
-    return Court(SOURCES, (trial,), none, folder)
+    return Court(SOURCES, (trial,), none, folder, folder)
 
 
 TG, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 FATES = {
     "killed": (Edit(TG, "return U_k - 0.5 * dt", "return U_k - dt"), Fate.KILLED),
     "broken": (Edit(TG_SOLVER, "h = problem.lengths[0] / elements", "h = problem.lengths[1] / elements"), Fate.BROKEN),
+    "breach": (Edit(TG_SOLVER, "weight=np.full((kept, elements), h)", "weight=np.full((kept, elements), 2 * h)"), Fate.KILLED),
     "equivalent": (Edit(TG, "0.5 * dt * (dot(A_k, slope) - S_k)", "dt * (dot(A_k, slope) - S_k) / 2"), Fate.EQUIVALENT),
     "not-exercised": (Edit(TG_SOLVER, "[[1.0, nZ], [0.5, 0.5 / nZ],", "[[1.0, nZ], [0.5, 0.7 / nZ],"), Fate.NOT_EXERCISED),
     "survived": (
@@ -223,6 +240,16 @@ def test_the_fate_of_a_fault(edit, fate, deck):
     assert fortune.fate is fate, fortune
     assert (fortune.finding is not None) == (fate in (Fate.KILLED, Fate.BROKEN))
     assert (fortune.deviation > 1e-11) == (fate is Fate.SURVIVED)
+
+
+def test_what_breaks_the_contract_is_killed_by_it_and_what_raises_does_not_run(deck):
+    breach, broken = (
+        deck.judge(Fault("taylor_galerkin", "named", "a fault", (FATES[name][0],))) for name in ("breach", "broken")
+    )
+    assert (breach.fate, breach.finding.criterion) == (Fate.KILLED, CONTRACT)
+    assert "weights sum to" in breach.finding.reason
+    assert broken.fate is Fate.BROKEN
+    assert broken.finding.criterion != CONTRACT
 
 
 def _double(number: int) -> int:
@@ -342,6 +369,18 @@ def test_the_command_fails_on_a_survivor_and_on_a_false_alarm(tmp_path, monkeypa
     output = invoke("--out", str(tmp_path / "two"), status=1)
     assert "false alarm" in output
     assert "order 1" in output
+
+
+@pytest.mark.usefixtures("small")
+def test_a_fault_that_is_ended_at_its_limit_leaves_nothing_behind(tmp_path, monkeypatch):
+    hung = Edit(TG_SOLVER, "GENEROUS = 10.0", "while True:\n    pass\nGENEROUS = 10.0")
+    monkeypatch.setattr(session, "NAMED", (Fault("taylor_galerkin", "named", "hung", (hung,)),))
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(scratch))
+    test = session.Session(Results(tmp_path), studies.get, SOURCES, Baseline(tmp_path / "none"), timeout=1.0).run()
+    assert [(fault.fate, fault.reason) for fault in test.faults] == [(Fate.BROKEN, "no result within 1 s of processor time")]
+    assert not list(scratch.iterdir())
 
 
 def test_misuse_of_the_command_is_one_sentence_and_status_2(tmp_path):

@@ -14,9 +14,9 @@ WRONG_PASS, WRONG_FAIL = 0.001, 0.01
 class Fate(StrEnum):
     """What may become of a fault.
 
-    Killed by verification, or by the regression gate alone; it does not compile or crashes; its results agree with the original's
-    on all trials to round-off, or no trial comes to its passage; the machine was too busy to tell; or its results differ and
-    everything passed.
+    Killed by verification, to which the contract of a solution belongs, or by the regression gate alone; it does not compile, raises,
+    hangs or ends its process; its results agree with the original's on all trials to round-off, or no trial comes to its passage;
+    the machine was too busy to tell; or its results differ and everything passed.
     """
 
     KILLED = "killed"

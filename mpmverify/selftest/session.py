@@ -1,8 +1,11 @@
 """The self-test from the faults to the kill table; what is already known of a fault is not found out again."""
 
 import json
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
+from multiprocessing import get_context
 from pathlib import Path
 from typing import TypeVar
 
@@ -66,7 +69,7 @@ class Session:
     baseline: Baseline
     tier: str = "quick"
     jobs: int = 1
-    timeout: float = 120.0
+    timeout: float = 60.0
 
     def run(self, progress: Progress = lambda *_: None) -> SelfTest:
         """Run the unmodified solvers, and the faults and random series when those pass.
@@ -83,33 +86,39 @@ class Session:
         trials = {family: tuple(trial.of(self.get) for trial in declared) for family, declared in TRIALS.items()}
         keys = {fault.id: self._key(fault, trials[fault.family]) for fault in planted}
         studies = merged(study for declared in trials.values() for study in declared)
-        unmodified_runs = self._unmodified(studies, progress)
-        first, sites = next(unmodified_runs), sum(map(len, found.values()))
+        runs = self._unmodified(studies, progress)
+        first, sites = next(runs), sum(map(len, found.values()))
         if first.verdict != Verdict.PASS:  # no verdict on a fault would mean anything
             return SelfTest(self.tier, sites, (), (first,))
-        rates = self._rates(progress)
+        # Half of the unmodified runs leave a processor idle.
+        with ProcessPoolExecutor(1, get_context("spawn")) as beside:
+            rates = self._rates(beside)
+            unmodified_runs = (first, *runs)
+            answered = rates()
+        progress("verdicts on random series", 1, 1)
         for _ in run(studies, Plan(self._original, self.baseline, jobs=self.jobs)):
             pass  # what the faulty solvers are compared with
         rows = {fault.id: row for fault, row in self._planted(planted, keys, trials, progress)}
-        return SelfTest(self.tier, sites, tuple(rows[fault.id] for fault in planted), (first, *unmodified_runs), rates)
+        return SelfTest(self.tier, sites, tuple(rows[fault.id] for fault in planted), unmodified_runs, answered)
 
-    def _rates(self, progress: Progress) -> Rates:
-        """How often the judge is right about random series of known truth."""
+    def _rates(self, beside: ProcessPoolExecutor) -> Callable[[], Rates]:
+        """Ask another process how often the judge is right about random series of known truth; what is returned waits for it."""
         count = SERIES[self.tier]
         path = self._path(digest(count, SEED, code=("mpmverify.synthetic",)))
         try:
             stored = json.loads(path.read_text(encoding="utf-8"))
-            rates = Rates(**{name: tuple(Rate(**row) for row in rows) for name, rows in stored.items()})
+            known = Rates(**{name: tuple(Rate(**row) for row in rows) for name, rows in stored.items()})
         except (OSError, ValueError, TypeError, AttributeError):
-            rates = Rates(
-                *(
-                    tuple(r)
-                    for r in (measure(count, SEED), measure_designs(count // 90, SEED), measure_limits(count // 4, SEED))
-                )
-            )
-            _store(path, rates)
-        progress("verdicts on random series", 1, 1)
-        return rates
+            measures = ((measure, count), (measure_designs, count // 90), (measure_limits, count // 4))
+            asked = [beside.submit(by, number, SEED) for by, number in measures]
+
+            def answered() -> Rates:
+                rates = Rates(*(tuple(future.result()) for future in asked))
+                _store(path, rates)
+                return rates
+
+            return answered
+        return lambda: known
 
     def _unmodified(self, studies: list[Study], progress: Progress) -> Iterator[UnmodifiedRun]:
         """Every setting once."""
@@ -128,22 +137,25 @@ class Session:
     def _planted(
         self, planted: Sequence[Fault], keys: dict[str, str], trials: dict[str, tuple[Study, ...]], progress: Progress
     ) -> Iterator[tuple[Fault, PlantedFault]]:
-        courts = {
-            family: Court(self.sources, studies, self.baseline, self._original.path) for family, studies in trials.items()
-        }
         done, waiting = 0, []
         for fault in planted:
             row = _stored(self._path(keys[fault.id]), PlantedFault)
             if row is None:
-                waiting.append((courts[fault.family], fault))
+                waiting.append(fault)
             else:
                 done += 1
                 progress("planted faults", done, len(planted))
                 yield fault, row
         modules = {type(s.solver).__module__ for studies in trials.values() for study in studies for _, s in study.series()}
         imports = sorted({*CODE, *modules})
-        with environment(COMPILATION):
-            for (_, fault), fortune in each_alone(_judge, waiting, self.jobs, self.timeout, _failed, imports):
+        # What a process that is ended at its limit leaves behind goes with the folder of them all.
+        with environment(COMPILATION), tempfile.TemporaryDirectory(prefix="mpmverify-") as scratch:
+            courts = {
+                family: Court(self.sources, studies, self.baseline, self._original.path, Path(scratch))
+                for family, studies in trials.items()
+            }
+            tasks = [(courts[fault.family], fault) for fault in waiting]
+            for (_, fault), fortune in each_alone(_judge, tasks, self.jobs, self.timeout, _failed, imports):
                 row = self._row(fault, fortune)
                 if fortune.fate is not Fate.UNDECIDED:  # a busy machine is no verdict on a fault: it is tried again
                     _store(self._path(keys[fault.id]), row)

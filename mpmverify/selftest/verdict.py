@@ -25,6 +25,9 @@ from mpmverify.study import Study
 ROUND_OFF = 1e-11
 """Results that differ by no more, relative to their size, are the same."""
 
+CONTRACT = "contract of a solution"
+"""What kills a fault that counts as crashed and raises nothing: it returned what no solver may."""
+
 
 @dataclass(frozen=True)
 class Fortune:
@@ -67,17 +70,20 @@ class Court:
         Of the regression gate.
     original : Path
         Results folder with the runs of the original solvers.
+    scratch : Path
+        Where temporary folders go.
     """
 
     sources: Path
     trials: tuple[Study, ...]
     baseline: Baseline
     original: Path
+    scratch: Path
 
     def judge(self, fault: Fault) -> Fortune:
         """Put a fault to the trials until one of them kills it."""
         began = time.perf_counter()
-        with tempfile.TemporaryDirectory(prefix="mpmverify-") as folder:
+        with tempfile.TemporaryDirectory(dir=self.scratch) as folder:
             fortune = self._tried(fault, Path(folder))
             if fortune.fate is Fate.EQUIVALENT and not self._exercised(fault, Path(folder)):
                 fortune = dataclasses.replace(fortune, fate=Fate.NOT_EXERCISED)
@@ -99,8 +105,12 @@ class Court:
                 except UsageError as error:
                     return Fortune(Fate.BROKEN, reason=f"it refuses the problem: {error}", deviation=deviation, trials=k)
                 if killer := _killer(findings, "verification"):
-                    crashed = f": {Status.CRASHED}" in killer.reason
-                    return Fortune(Fate.BROKEN if crashed else Fate.KILLED, killer, deviation=deviation, trials=k)
+                    fate = Fate.KILLED
+                    if f": {Status.CRASHED}" in killer.reason and _raises(faulty):
+                        fate = Fate.BROKEN
+                    elif f": {Status.CRASHED}" in killer.reason:
+                        killer = dataclasses.replace(killer, criterion=CONTRACT)
+                    return Fortune(fate, killer, deviation=deviation, trials=k)
                 regression = regression or _killer(findings, "regression")
                 worst = worst or next((f for f in findings if f.verdict is not Verdict.PASS), None)
                 deviation = max(deviation, *self._deviations(trial, faulty, results))
@@ -125,6 +135,17 @@ class Court:
         """Whether a trial comes to the passage: with an exception in its place, one of them errs."""
         tripped = dataclasses.replace(fault, edits=(_trip(fault.edits[0], self.sources),))
         return self._tried(tripped, folder).fate is not Fate.EQUIVALENT
+
+
+def _raises(trial: Study) -> bool:
+    """Whether a solver raises on a trial: one that does not, and counts as crashed, has returned what no solver may."""
+    for case, series in trial.series():
+        for level in series.refinement.tier("quick"):
+            try:
+                series.solver.solve(case.problem.problem, level)
+            except Exception:  # what a fault raises is its own affair
+                return True
+    return False
 
 
 def _trip(edit: Edit, sources: Path) -> Edit:
@@ -158,11 +179,14 @@ def _killer(findings: Sequence[Finding], gate: str) -> Finding | None:
 def deviation(mine: Solution, theirs: Solution) -> float:
     """Largest deviation of any array of a solution, relative to its size; infinite where shapes or outcomes differ.
 
+    Two runs that are unstable alike, at whatever step, do not differ: what they return is no result.
     Momentum and impulse are compared with the size of the particles' momenta, which cancel in their sum; the energies and the
     work with the largest of them.
     """
     if (mine.outcome.status, mine.dt) != (theirs.outcome.status, theirs.dt):
         return float("inf")
+    if not mine.outcome.completed:
+        return 0.0
     one, two = mine.arrays(), theirs.arrays()
     if {name: values.shape for name, values in one.items()} != {name: values.shape for name, values in two.items()}:
         return float("inf")
