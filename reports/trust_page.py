@@ -8,9 +8,9 @@ from .pages import TrustPage
 from .parts import Fact, Fates, FaultRow, Link, Mark, Origin, Plain, RateTable
 
 MEANING = {
-    Fate.KILLED: "A criterion of a study failed, or a run did not complete.",
+    Fate.KILLED: "A criterion of a study failed, a run did not complete, or its solution breaks the contract.",
     Fate.REGRESSION: "Every criterion passed, and an error grew beyond the baseline.",
-    Fate.BROKEN: "It does not compile, crashes, hangs or refuses the problem: the run is an ERROR, whatever the criteria.",
+    Fate.BROKEN: "It does not compile, raises, hangs or refuses the problem: the run is an ERROR, whatever the criteria.",
     Fate.EQUIVALENT: "Its results agree with the original's to 1e-11 on every trial, fields and histories.",
     Fate.NOT_EXERCISED: "No trial comes to its passage.",
     Fate.UNDECIDED: "The machine was too busy to tell: the self-test, run again, tries it again.",
