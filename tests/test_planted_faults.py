@@ -86,11 +86,13 @@ MPM_NEO_HOOKEAN = Trial("manufactured-1d", "no-crossing", MaterialPoint("MUSL"))
 MPM_FINITE_STRAIN = Trial("manufactured-1d", "crossing", MaterialPoint("MUSL", formulation="total"))
 MPM_CROSSING = Trial("manufactured-1d", "crossing", MaterialPoint("MUSL", degree=2))
 TG_VIBRATION = Trial("axial-vibration", "literature", TaylorGalerkin(passes=1))
+TG_CONSISTENT_VIBRATION = Trial("axial-vibration", "literature", TaylorGalerkin(passes=3))
 TG_PULSE = Trial("elastic-bar", "pulse", TaylorGalerkin(passes=1))
 TG_STEP = Trial("advection", "step", TaylorGalerkin(passes=1))
 TG_SPECTRUM = Trial("advection", "spectrum", TaylorGalerkin(passes=3))
 TG_GAUSSIAN = Trial("advection", "gaussian", TaylorGalerkin(passes=3))
 TG_LUMPED_GAUSSIAN = Trial("advection", "gaussian", TaylorGalerkin(passes=1))
+TG_BEYOND = Trial("dispersion", "beyond-the-limit", TaylorGalerkin(passes=1))
 TG_DISPERSION = Trial("dispersion", "ring", TaylorGalerkin(passes=3))
 FEM_DISPERSION = Trial("dispersion", "fixed-fixed", FiniteElement(1, "consistent", "newmark"))
 FEM_NEWMARK_PULSE = Trial("elastic-bar", "pulse", FiniteElement(1, "consistent", "newmark"))
@@ -103,7 +105,7 @@ MPM_POISSON = Trial("manufactured-1d", "poisson", MaterialPoint("MUSL", formulat
 FEM_POISSON = Trial("manufactured-1d", "poisson", FiniteElement(2, "consistent", "central-differences"))
 
 FAIL, ERROR = Verdict.FAIL, Verdict.ERROR
-MPM_LAW, MPM_LOOP, MPM_SOLVER = "mpm/laws.py", "mpm/kernels.py", "mpm/solver.py"
+MPM_LAW, MPM_LOOP, MPM_SOLVER, MPM_RECORDING = "mpm/laws.py", "mpm/kernels.py", "mpm/solver.py", "mpm/recording.py"
 MPM_TRACTION = "force[side] = (-1, 1)[side] * condition.value(levels)"
 MPM_LINEAR_STRESS = "return sigma + (lame + 2 * shear) * increment"
 MPM_NEO_HOOKEAN_STRESS = "return lame * log(F) / F + shear * (F - 1 / F)"
@@ -292,6 +294,40 @@ FAULTS = (
         (Edit(TG_LOOP, "return U_k - 0.5 * dt * (", "return U_k - 0.6 * dt * ("),),
         (Kill(TG_STEP, FAIL, "front of u"),),
         keeps_orders=True,
+    ),
+    Fault(
+        "prescribed-unknown-not-held-in-later-passes",
+        (Edit(TG_LOOP, "if bounded and sweep > 0:", "if bounded and sweep > passes:"),),
+        (Kill(TG_CONSISTENT_VIBRATION, FAIL, "energy never rises"),),
+        keeps_orders=True,
+    ),
+    Fault(
+        "momentum-and-impulse-of-zero",
+        (
+            Edit(TG_SOLVER, '"momentum": rho * total[:, 1]', '"momentum": 0 * total[:, 1]'),
+            Edit(TG_SOLVER, '"impulse": rho * gain[:, 1]', '"impulse": 0 * gain[:, 1]'),
+        ),
+        (Kill(TG_PULSE, FAIL, "mass, momentum summed from the fields"),),
+        keeps_orders=True,
+    ),
+    Fault(
+        "strain-energy-of-the-neighbouring-volume",
+        (Edit(MPM_RECORDING, "else particles.volume[p] * particles.F[p]", "else particles.volume[p] * particles.F[p - 1]"),),
+        (Kill(MPM_PULSE, FAIL, "mass, momentum, kinetic_energy, strain_energy summed"),),
+        keeps_orders=True,
+    ),
+    Fault(
+        "usf-and-usl-swapped",
+        (
+            Edit(MPM_LOOP, "if scheme.schedule == USF and n > 0", "if scheme.schedule == USL and n > 0"),
+            Edit(MPM_LOOP, "if scheme.schedule != USF and not", "if scheme.schedule != USL and not"),
+        ),
+        (Kill(MPM_DISPERSION, FAIL, "dispersion of stress"),),
+    ),
+    Fault(
+        "instability-not-reported",
+        (Edit(TG_LOOP, "if not amplitude <= limit[n + 1]:", "if not amplitude <= 1e300 * limit[n + 1]:"),),
+        (Kill(TG_BEYOND, FAIL, "unstable above nu_C = 1"),),
     ),
     Fault(
         "beta-of-0.3",
