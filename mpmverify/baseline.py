@@ -50,13 +50,8 @@ class Baseline:
 
     def judge(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> Judgement:
         """Compare the errors of one series with the accepted ones: worse fails, better asks to be accepted."""
-        bad = [
-            f"{name}: {outcome}"
-            for name, outcome in zip(evidence.names, evidence.outcomes, strict=True)
-            if outcome != "completed"
-        ]
-        if bad:
-            return Verdict.ERROR, "; ".join(bad)
+        if evidence.incomplete:
+            return Verdict.ERROR, evidence.incomplete
         accepted = self.entries.get(study, {}).get(solver, {}).get(f"{case} | {refinement}", {})
         worse: list[tuple[float, str]] = []
         better: list[tuple[float, str]] = []

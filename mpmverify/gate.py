@@ -58,6 +58,27 @@ class Evidence:
         return tuple(f"h={h:g} nu_C={c:g} ppc={ppc}" for h, c, ppc in zip(self.h, self.courant, self.ppc, strict=True))
 
     @property
+    def incomplete(self) -> str:
+        """What became of the runs that did not complete, each outcome once with all of its levels; "" where every run did."""
+        levels: dict[str, list[int]] = {}
+        for k, outcome in enumerate(self.outcomes):
+            levels.setdefault(outcome, []).append(k)
+        return "; ".join(f"{self._which(members)}: {outcome}" for outcome, members in levels.items() if outcome != "completed")
+
+    def _which(self, levels: Sequence[int]) -> str:
+        """Name some levels, in ascending order: neighbours by the first and the last of them."""
+        if len(levels) == len(self.outcomes) > 1:
+            return "every level"
+        spans: list[list[int]] = []
+        for k in levels:
+            if spans and k == spans[-1][-1] + 1:
+                spans[-1].append(k)
+            else:
+                spans.append([k])
+        first_to_last = (dict.fromkeys((self.names[span[0]], self.names[span[-1]])) for span in spans)
+        return ", ".join(" to ".join(ends) for ends in first_to_last)
+
+    @property
     def sizes(self) -> Mapping[str, Array]:
         """Every size that an error may vanish with, by its name (n,)."""
         return refined.sizes(self.h, self.dt, self.ppc)
@@ -138,11 +159,8 @@ class Finding:
 
 def judge(criterion: Criterion, evidence: Evidence) -> Judgement:
     """Judge one criterion; a run that did not complete is an ERROR with its outcome, before any number is looked at."""
-    failed = [
-        (name, outcome) for name, outcome in zip(evidence.names, evidence.outcomes, strict=True) if outcome != "completed"
-    ]
-    if failed:
-        return Verdict.ERROR, "; ".join(f"{name}: {outcome}" for name, outcome in failed)
+    if evidence.incomplete:
+        return Verdict.ERROR, evidence.incomplete
     if not evidence.outcomes:
         return Verdict.ERROR, "no level was run"
     try:

@@ -434,6 +434,30 @@ def test_a_failed_run_of_a_design_is_named_by_more_than_its_cell_size():
     assert judge(ORDER, series(3 * H, outcomes=("completed",) * 4 + ("unstable",))) == (ERROR, "h=0.0078125: unstable")
 
 
+@pytest.mark.parametrize(
+    ("outcomes", "reason"),
+    [
+        (["crashed; X"] * 5, "every level: crashed; X"),
+        (["crashed; X"] * 4 + ["completed"], "h=0.125 to h=0.015625: crashed; X"),
+        (["crashed; X"] * 4 + ["timed out"], "h=0.125 to h=0.015625: crashed; X; h=0.0078125: timed out"),
+        (["X", "completed", "X", "X", "Y"], "h=0.125, h=0.03125 to h=0.015625: X; h=0.0078125: Y"),
+        (["completed", "X", "Y", "X", "completed"], "h=0.0625, h=0.015625: X; h=0.03125: Y"),
+    ],
+)
+def test_levels_that_came_to_the_same_end_share_one_sentence(outcomes, reason):
+    assert judge(ORDER, series(3 * H**2, outcomes=tuple(outcomes))) == (ERROR, reason)
+    assert judge(ORDER, series([1.0], [0.5], outcomes=("crashed; X",))) == (ERROR, "h=0.5: crashed; X")
+
+
+@LIGHT
+@given(st.lists(st.sampled_from(["completed", "crashed", "timed out"]), min_size=1, max_size=5))
+def test_a_reason_has_every_outcome_but_completion_once(outcomes):
+    seen = series(3 * H[: len(outcomes)] ** 2, H[: len(outcomes)], outcomes=tuple(outcomes))
+    assert bool(seen.incomplete) == (set(outcomes) != {"completed"})
+    for outcome in ("completed", "crashed", "timed out"):
+        assert seen.incomplete.count(outcome) == (outcome in outcomes and outcome != "completed")
+
+
 def test_a_dropped_level_is_named_by_the_size_that_is_refined():
     error = 3 * H**2 * [1, 1, 1, 1, 1e-12]
     assert "without dt=0.0078125: at round-off" in judge(ORDER, series(error, 0.1 * ONES, dt=H))[1]
