@@ -153,6 +153,11 @@ class Finding:
     reason: str
     source: str
 
+    @classmethod
+    def of(cls, fields: Mapping[str, str]) -> "Finding":
+        """Make a finding of its fields as a file holds them; an unknown verdict is a `ValueError`."""
+        return cls(**(dict(fields) | {"verdict": Verdict(fields["verdict"])}))
+
     def __str__(self) -> str:
         return f"{self.verdict} {self.study}/{self.case}/{self.solver} ({self.refinement}): {self.criterion}: {self.reason}"
 

@@ -401,6 +401,24 @@ def test_judging_a_stored_study_reproduces_its_findings(stored, path):
     xr.testing.assert_identical(again, read_study(path))
 
 
+def test_a_restricted_run_says_to_what_and_what_it_lacks_of_the_baseline(tmp_path):
+    whole, known = study(Scripted("good"), TaylorGalerkin(), name="whole"), Baseline(tmp_path / "baseline.json")
+    list(run([whole], plan(tmp_path)))
+    accepted(known, [tmp_path / "whole.nc"], "the first")
+    known.write()
+    kept, other = whole.solver_names()
+    (entry,) = run([whole.restricted((kept,))], plan(tmp_path / "part", baseline=known))
+    path = tmp_path / "part" / "whole.nc"
+    tree = read_study(path)
+    assert tree.attrs["restricted_to"] == kept
+    assert entry.findings[-1].solver == other
+    assert entry.findings[-1].reason.endswith(f"the run was restricted to {kept}: run the whole study")
+    assert tuple(findings(tree)) == tuple(read_findings(path, known)) == entry.findings
+    assert read_findings(path, Baseline(tmp_path / "none"))[-1].solver == kept
+    del tree.attrs["restricted_to"], tree.attrs["lacking"]
+    assert {f.solver for f in findings(tree)} == {kept}, "a file from before says nothing"
+
+
 def test_every_series_is_judged_by_its_criteria_and_the_baseline(stored):
     for declared in (MIXED, EXACT):
         found = stored[1][declared.name].findings

@@ -78,7 +78,13 @@ def _root(study: Study, tier: str, inputs: str, seeds: Sequence[int]) -> xr.Data
         # Not "case", which the solvers' groups have by level: a group inherits the dimensions of its parent.
         coords={"study_case": each(lambda case: case.name)},
         attrs=provenance.attributes("study", study.title, study.summary)
-        | {"id": study.name, "tier": tier, "inputs": inputs, "seeds": ", ".join(map(str, seeds)) or "none: no run is random"},
+        | {
+            "id": study.name,
+            "tier": tier,
+            "restricted_to": study.restricted_to,
+            "inputs": inputs,
+            "seeds": ", ".join(map(str, seeds)) or "none: no run is random",
+        },
     )
 
 
