@@ -124,6 +124,7 @@ def origin(record: Record) -> Origin:
         "Written": a["date_created"],
         "Commit": a["commit"] if a["commit_state"] == "installed" else f"{a['commit'][:12]} ({a['commit_state']})",
         "Tier": a["tier"],
+        "Restricted to": record.restricted_to,
         "Made by": a["source"],
         "Versions": a["versions"],
         "Platform": a["platform"],
@@ -131,7 +132,7 @@ def origin(record: Record) -> Origin:
         "Inputs": a["inputs"] or "incomplete: a run left no file",
         "Schema": f"{a['mpmverify_schema']}, {a['Conventions']}",
     }
-    return Origin(record.name, f"../{record.name}.nc", tuple(Fact(name, str(value)) for name, value in names.items()))
+    return Origin(record.name, f"../{record.name}.nc", tuple(Fact(name, str(value)) for name, value in names.items() if value))
 
 
 def index_page(records: Sequence[Record], generator: str, *, trusted: bool = False) -> IndexPage:
@@ -152,15 +153,16 @@ def index_page(records: Sequence[Record], generator: str, *, trusted: bool = Fal
         mark=mark(findings),
         gates=gate_marks(findings),
         shares=shares(findings),
+        lacking=tuple(judgement(f, f"{record.name}.html#lacking") for record in records for f in record.lacking),
         exit_status=MEANING[exit_status(verdicts, strict=True)],
         columns=tuple(Link(str(record.attributes["title"]), f"{record.name}.html") for record in records),
         rows=matrix(
-            findings,
+            [finding for record in records for finding in record.judged],
             [record.name for record in records],
             lambda finding: finding.study,
             lambda study, solver: f"{study}.html#{solvers[study][solver]}",
             {solver: f"solver-{anchor}" for solver, anchor in slugs(names).items()},
         ),
-        groups=not_passed(findings, lambda f: f"{f.study}.html#{places[f.study][f.case, f.solver]}"),
+        groups=not_passed(findings, lambda f: f"{f.study}.html#{places[f.study].get((f.case, f.solver), 'lacking')}"),
         origins=tuple(origin(record) for record in records),
     )

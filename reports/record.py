@@ -115,14 +115,25 @@ class Case:
 
 @dataclass(frozen=True)
 class Record:
-    """A study's file: its attributes, cases, schemes by solver and series."""
+    """A study's file: its attributes, cases, schemes by solver and series; `lacking` says what the baseline has beside these."""
 
     name: str
     attributes: Mapping[str, Any]
     cases: tuple[Case, ...]
     schemes: Mapping[str, str]
     series: tuple[Series, ...]
+    lacking: tuple[Finding, ...] = ()
+
+    @property
+    def judged(self) -> tuple[Finding, ...]:
+        """Findings on the series."""
+        return tuple(finding for series in self.series for finding in series.findings)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        return tuple(finding for series in self.series for finding in series.findings)
+        return self.judged + self.lacking
+
+    @property
+    def restricted_to(self) -> str:
+        """What its run was restricted to; "" where it was not."""
+        return str(self.attributes.get("restricted_to", ""))

@@ -47,12 +47,14 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
         title=str(record.attributes["title"]),
         generator=generator,
         navigation=(Link("Overview", "index.html"), *(Link(name, f"#{anchors[name]}") for name in cases)),
+        restricted_to=record.restricted_to,
         summary=str(record.attributes["summary"]),
         gates=gate_marks(record.findings),
         shares=shares(record.findings),
+        lacking=tuple(judgement(finding, "#lacking") for finding in record.lacking),
         columns=tuple(Link(name, f"#{anchors[name]}") for name in cases),
         rows=matrix(
-            record.findings,
+            record.judged,
             cases,
             lambda finding: finding.case,
             lambda case, solver: f"#{places[case, solver]}",
@@ -82,7 +84,11 @@ def _section(
     sources = list(dict.fromkeys(finding.source for finding in findings))
     units = {quantity: unit for entry in series if entry.profile for quantity, unit in entry.profile.units.items()}
     first = case.shown if case.shown in units else next(iter(units), "")
-    known = measures([entry for entry in series if entry.axis])
+    dispersive = any(list(dispersion.measured(entry)) for entry in series)
+    # On few cells a mode is out of phase by many periods at the final time: where nobody judges its error, it tells no order.
+    convergent = not dispersive or any(entry.bands for entry in series)
+    ladders = [entry for entry in series if entry.axis and convergent]
+    known = measures(ladders)
     dominance = maps(series)
     return CaseSection(
         anchor=anchor,
@@ -94,12 +100,12 @@ def _section(
         setup=tuple(_fact(name, value) for name, value in case.setup),
         quantities=_options([q for q, _ in known], shown and shown[0], {}),
         norms=_options([norm for _, norm in known], shown and shown[1], NORM_NAMES),
-        charted=_charted(series),
-        dispersive=any(list(dispersion.measured(entry)) for entry in series),
+        charted=_charted(ladders),
+        dispersive=dispersive,
         curves=_curves(series, looks, shown, first),
         wave_quantities=_options(list(units), first, {}),
         thumbnail_quantity=first,
-        tables=order_tables(series, shown),
+        tables=order_tables(ladders, shown),
         source_rows=source_rows(series),
         maps=tuple(str(figure["title"]) for figure in dominance),
         groups=_groups(findings, places, sources),
@@ -120,9 +126,8 @@ def _options(values: Sequence[str], selected: str | None, names: dict[str, str])
 
 
 def _charted(series: Sequence[Series]) -> bool:
-    ladders = [entry for entry in series if entry.axis]
-    levels = any(len(entry.levels) > 1 for entry in ladders)
-    return levels and any((estimate.error > 0).any() for entry in ladders for estimate in entry.estimates.values())
+    levels = any(len(entry.levels) > 1 for entry in series)
+    return levels and any((estimate.error > 0).any() for entry in series for estimate in entry.estimates.values())
 
 
 def _curves(series: Sequence[Series], looks: Sequence[Style], shown: Measure | None, quantity: str) -> tuple[Curve, ...]:
