@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from mpmverify.convergence import Convergence, analyse
 from mpmverify.exact import VerificationProblem
 from mpmverify.norms import NORMS
 from mpmverify.problem import Array, Discretisation
-from mpmverify.solution import Solution
+from mpmverify.solution import ADVICE, Solution
 from mpmverify.verdict import Judgement, Verdict, worst
 
 
@@ -59,11 +59,16 @@ class Evidence:
 
     @property
     def incomplete(self) -> str:
-        """What became of the runs that did not complete, each outcome once with all of its levels; "" where every run did."""
-        levels: dict[str, list[int]] = {}
+        """What became of the runs that did not complete, each outcome and each advice once; "" where every run did."""
+        levels: dict[tuple[str, str], list[int]] = {}
         for k, outcome in enumerate(self.outcomes):
-            levels.setdefault(outcome, []).append(k)
-        return "; ".join(f"{self._which(members)}: {outcome}" for outcome, members in levels.items() if outcome != "completed")
+            advice = next((known for known in ADVICE.values() if known and outcome.endswith(f"; {known}")), "")
+            levels.setdefault((advice, outcome.removesuffix(f"; {advice}")), []).append(k)
+        sentences: dict[str, list[str]] = {}
+        for (advice, outcome), members in levels.items():
+            if outcome != "completed":
+                sentences.setdefault(advice, []).append(f"{self._which(members)}: {outcome}")
+        return "; ".join(part for advice, told in sentences.items() for part in (*told, advice) if part)
 
     def _which(self, levels: Sequence[int]) -> str:
         """Name some levels, in ascending order: neighbours by the first and the last of them."""
@@ -154,7 +159,7 @@ class Finding:
     source: str
 
     @classmethod
-    def of(cls, fields: Mapping[str, str]) -> "Finding":
+    def of(cls, fields: Mapping[str, Any]) -> "Finding":
         """Make a finding of its fields as a file holds them; an unknown verdict is a `ValueError`."""
         return cls(**(dict(fields) | {"verdict": Verdict(fields["verdict"])}))
 

@@ -32,7 +32,7 @@ from mpmverify.exact.amplification import two_step_taylor_galerkin
 from mpmverify.gate import Evidence, Finding, Setting, Verdict, exit_status, judge, worst
 from mpmverify.norms import NORMS
 from mpmverify.problem import Discretisation, LinearElastic, Periodic, Problem, Traction, Transport
-from mpmverify.solution import Solution, Work
+from mpmverify.solution import Outcome, Solution, Status, Work
 
 LIGHT = settings(max_examples=25)
 H = 0.5 ** np.arange(3.0, 8.0)
@@ -442,6 +442,11 @@ def test_a_failed_run_of_a_design_is_named_by_more_than_its_cell_size():
         (["crashed; X"] * 4 + ["timed out"], "h=0.125 to h=0.015625: crashed; X; h=0.0078125: timed out"),
         (["X", "completed", "X", "X", "Y"], "h=0.125, h=0.03125 to h=0.015625: X; h=0.0078125: Y"),
         (["completed", "X", "Y", "X", "completed"], "h=0.0625, h=0.015625: X; h=0.03125: Y"),
+        (
+            ["completed"] * 3 + [str(Outcome(Status.LEFT_GRID, f"at step {n}")) for n in (3, 5)],
+            "h=0.015625: left the grid; at step 3; h=0.0078125: left the grid; at step 5; "
+            "a particle left the background grid: enlarge the domain or lower the load",
+        ),
     ],
 )
 def test_levels_that_came_to_the_same_end_share_one_sentence(outcomes, reason):
