@@ -146,15 +146,15 @@ def with_verdicts(dataset: xr.Dataset, findings: Sequence[Finding]) -> xr.Datase
 
 def findings(tree: xr.DataTree) -> list[Finding]:
     """Verdicts that are stored in a study's tree: those of its series, and one when the baseline holds series that it lacks."""
-    table = []
+    table: list[Finding] = []
     for solver, dataset in solvers(tree):
         columns = [dataset[f"verdict_{name}"].values.tolist() for name in VERDICT_COLUMNS]
-        for row in zip(*columns, strict=True):
-            table.append(Finding.of({"study": tree.attrs["id"], "solver": solver} | dict(zip(VERDICT_COLUMNS, row, strict=True))))
+        where = {"study": tree.attrs["id"], "solver": solver}
+        table += [Finding.of(where | dict(zip(VERDICT_COLUMNS, row, strict=True))) for row in zip(*columns, strict=True)]
     return table + lacking(tree.attrs)
 
 
-def lacking(attributes: Mapping[str, Any]) -> list[Finding]:
+def lacking(attributes: Mapping[Any, Any]) -> list[Finding]:
     """Verdict on what a study lacks, by the attributes of its tree; none where it lacks nothing."""
     stored = attributes.get(LACKING)
     return [Finding.of(json.loads(stored))] if stored else []
