@@ -38,7 +38,9 @@ def read(path: Path) -> Record:
             root = _columns(file)
             series = [entry for solver, group in file.groups.items() for entry in _series(path.stem, solver, group)]
             schemes = {solver: str(group.scheme) for solver, group in file.groups.items()}
-            lacking = tuple(Finding.of(json.loads(stored)) for stored in [attributes.get("lacking")] if stored)
+            lacking = tuple(
+                Finding.of(json.loads(stored) | {"study": path.stem}) for stored in [attributes.get("lacking")] if stored
+            )
     except ResultsError:
         raise
     except (OSError, RuntimeError, AttributeError, KeyError, IndexError, ValueError) as error:

@@ -11,12 +11,12 @@ from . import charts, dispersion
 from .balances import balances
 from .dominance import maps, source_rows
 from .equations import mathml
-from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size
+from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, plain, size
 from .orders import leading, measures, order_tables
 from .overview import (
     case_anchors,
     gate_marks,
-    judgement,
+    judgements,
     mark,
     matrix,
     origin,
@@ -51,7 +51,7 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
         summary=str(record.attributes["summary"]),
         gates=gate_marks(record.findings),
         shares=shares(record.findings),
-        lacking=tuple(judgement(finding, "#lacking") for finding in record.lacking),
+        lacking=judgements(record.lacking, lambda _: "#lacking"),
         columns=tuple(Link(name, f"#{anchors[name]}") for name in cases),
         rows=matrix(
             record.judged,
@@ -118,7 +118,7 @@ def _section(
 
 def _fact(name: str, value: str) -> Fact:
     name = re.sub(r"^face (\w)([+-])$", lambda face: f"face {face[1]}{face[2].replace('-', MINUS)}", name)
-    return Fact(name, re.sub(r"(?<=\()value=(?=\w+\()", "", value))
+    return Fact(name, plain(value).replace(" = ", "\u00a0=\u00a0"))
 
 
 def _options(values: Sequence[str], selected: str | None, names: dict[str, str]) -> tuple[Option, ...]:
@@ -165,7 +165,7 @@ def _groups(findings: Sequence[Finding], places: Mapping[tuple[str, str], str], 
             for f in members
         )
         name = places[members[0].case, solver]
-        judged = tuple(judgement(f, f"#{name}", sources.index(f.source) + 1) for f in members)
+        judged = judgements(members, lambda finding: f"#{places[finding.case, finding.solver]}", sources)
         groups.append(Group(name, mark(members), solver, gate_marks(members), doubtful, judged))
     return tuple(groups)
 

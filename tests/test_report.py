@@ -27,12 +27,14 @@ from mpmverify.dataset.study import build, write_study
 from mpmverify.dataset.verdicts import declare, findings, judged
 from mpmverify.errors import ResultsError
 from mpmverify.exact import ExactSolution, VerificationProblem
+from mpmverify.gate import Evidence
 from mpmverify.problem import Discretisation, Periodic, Problem, Transport
 from mpmverify.reports import charts, render
 from mpmverify.reports.equations import mathml
-from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs
+from mpmverify.reports.notation import DASH, cell_size, interval, number, plain, slugs
 from mpmverify.reports.pages import IndexPage, StudyPage, TrustPage
 from mpmverify.reports.site import TEMPLATES, environment
+from mpmverify.reports.trust_page import trust_page
 from mpmverify.study import Case, Refinement, Series, Study
 
 HOSTILE = "<script>alert('x')</script> \"quoted\" & 'single'"
@@ -68,7 +70,7 @@ def level(case: str, solver: str, label: str, h: float) -> Level:
     identity = (case, solver, label, h, 0.5, 1, f"{solver}-{round(1 / h)}")
     if solver == "crashed":
         return Level(*identity, outcome=f"crashed; {HOSTILE}")
-    error = {"good": h**2, "bad": math.nan if h < 1 / 100 else h}[solver]
+    error = {"good": h**2, "also good": h**2, "bad": math.nan if h < 1 / 100 else h}[solver]
     norms = np.full(4, error), np.ones(4)
     mode = {"phase_angle_u": 2 * h, "relative_frequency_u": 1 - error, "theoretical_frequency_u": 1 - h**2}
     metrics = {"mass_defect": 1e-16} | (mode if solver == "good" else {})
@@ -87,7 +89,13 @@ def shot(case: str, solver: str, label: str) -> Snapshots:
     )
 
 
-def store(results: Results, declared: Study) -> list:
+EVIDENCE = Evidence(
+    *(np.array([value]) for value in (0.5, 0.25, 0.5, 1)), ("completed",), {"u": np.ones((1, 4))}, {"u": np.ones((1, 4))}
+)
+NONE = Baseline(Path("none"))
+
+
+def store(results: Results, declared: Study, known: Baseline = NONE) -> list:
     """Write a study as a run would, and return its findings."""
     table, shots = [], {}
     for case, series in declared.series():
@@ -95,7 +103,7 @@ def store(results: Results, declared: Study) -> list:
         table += [level(*where, h) for h in SIZES]
         if series.solver.name != "crashed":
             shots[where] = shot(*where)
-    tree = judged(declare(build(declared, "quick", "inputs", table, shots), declared), Baseline(Path("none")))
+    tree = judged(declare(build(declared, "quick", "inputs", table, shots), declared), known)
     results.create()
     write_study(results.study(declared.name), tree)
     return findings(tree)
@@ -258,6 +266,66 @@ def test_every_verdict_is_shown_with_its_reason_and_source(stored: tuple[Results
     assert any(HOSTILE in finding.reason for finding in table)
 
 
+def test_a_run_that_did_not_complete_is_told_once_for_all_criteria_of_its_series(stored: tuple[Results, list]) -> None:
+    results, table = stored
+    crashed = [finding for finding in table if finding.solver == "crashed"]
+    (reason,) = {finding.reason for finding in crashed}
+    by_gate = Counter(finding.gate for finding in crashed)
+    assert by_gate["verification"] > 1
+    for name in ("index.html", "sample.html"):
+        page = pages(results)[name]
+        assert page.cells.count(reason) == len(by_gate), name
+        criteria = [cell for cell in page.cells if all(f.criterion in cell for f in crashed if f.gate == "verification")]
+        assert criteria, name
+
+
+def test_what_the_baseline_has_and_was_not_run_is_shown_with_what_the_run_was_restricted_to(tmp_path: Path) -> None:
+    whole, known = study(solvers=("good", "also good")), Baseline(tmp_path / "none")
+    for solver in whole.solver_names():
+        known.updated("sample", solver, "hill & dale", "ladder", EVIDENCE)
+    results = Results(tmp_path)
+    *_, lacking = store(results, whole.restricted(("good",)), known)
+    render(results)
+    assert lacking.reason in (text := " ".join(pages(results)["sample.html"].text))
+    assert "restricted to good" in text
+    assert "lacking" in pages(results)["sample.html"].ids
+    index = pages(results)["index.html"]
+    assert index.links.count("sample.html#lacking") == 2, "at the top, and among what did not pass"
+    assert index.cells.count("also good") == 1, "among what did not pass: a solver that was not run has no row in the matrix"
+
+
+def test_a_copy_of_a_study_that_lacks_series_links_to_its_own_page(tmp_path: Path) -> None:
+    known = Baseline(tmp_path / "none")
+    known.updated("sample", "good", "a case that is gone", "ladder", EVIDENCE)
+    results = Results(tmp_path)
+    store(results, study(solvers=("good",)), known)
+    results.study("sample").rename(results.study("copy"))
+    render(results)
+    assert set(pages(results)) == {"index.html", "copy.html"}
+    assert "copy.html#lacking" in pages(results)["index.html"].links
+    assert "sample.html#lacking" not in pages(results)["index.html"].links
+    cells = [cell for page in pages(results).values() for cell in page.cells if "INCONCLUSIVE" in cell and "/" in cell]
+    assert [cell.split()[-1] for cell in cells] == ["1/1", "1/1"], "what was not run is in no cell of a matrix"
+
+
+def test_what_follows_a_mode_alone_has_its_chooser_and_no_convergence(tmp_path: Path) -> None:
+    criteria = (Balance("mass", "inflow", "conservation form"),)
+    results = Results(tmp_path)
+    declared = study(solvers=("good",))
+    case = declared.cases[0]
+    series = tuple(dataclasses.replace(entry, criteria=criteria) for entry in case.series)
+    store(results, dataclasses.replace(declared, cases=(dataclasses.replace(case, series=series),)))
+    store(results, study("judged", ("good",)))
+    render(results)
+    for name, charts_shown in (("sample", ["dispersion"]), ("judged", ["convergence", "dispersion"])):
+        text = (results.report / f"{name}.html").read_text(encoding="utf-8")
+        assert [kind for kind in ("convergence", "dispersion") if f'data-chart="{kind}"' in text] == charts_shown
+        assert text.count('<fieldset class="curves">') == 1, "the curves are chosen in one place"
+        assert text.index('<fieldset class="curves">') > text.index(f'data-chart="{charts_shown[0]}"')
+        assert ("below it the observed order" in text) == ("convergence" in charts_shown)
+        assert ('class="order"' in text) == ("convergence" in charts_shown)
+
+
 def test_nothing_from_a_file_becomes_markup(stored: tuple[Results, list]) -> None:
     for path in stored[0].report.glob("*.html"):
         assert "<script>" not in path.read_text(encoding="utf-8"), path.name
@@ -326,6 +394,16 @@ def test_every_planted_fault_and_every_false_alarm_is_shown(stored: tuple[Result
     assert SELF_TEST.alarms[0].reason in shown
     assert "6 of 8" in shown
     assert "How far to trust this" in " ".join(pages(stored[0])["index.html"].text)
+
+
+def test_a_survivor_that_is_explained_is_no_failure() -> None:
+    survivors = [fault for fault in FAULTS if fault.fate is Fate.SURVIVED]
+    explained = tuple(dataclasses.replace(fault, explanation="it is too small") for fault in survivors)
+    for faults, kind in ((tuple(survivors), "fail"), (explained, "inconclusive")):
+        page = trust_page(dataclasses.replace(SELF_TEST, faults=faults), "selftest", (), (), "generator")
+        assert {row.mark.kind for row in page.survivors} == {kind}
+        assert all(row.mark.text.startswith("survived") for row in page.survivors)
+    assert all(row.reason == "it is too small" for row in page.survivors)
 
 
 def test_the_page_of_a_self_test_comes_and_goes_with_its_file(fresh: Results) -> None:
@@ -434,6 +512,11 @@ def test_numbers_read_back_to_three_digits(size: float, negative: bool) -> None:
     assert "-" not in text
     back = text.replace("−", "-").translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")).replace("×10", "e")
     assert float(back) == pytest.approx(value, rel=0.006)
+
+
+def test_numbers_in_a_text_become_those_of_people() -> None:
+    assert plain("E = 1e+07 Pa, a = -2.5e-06 m/s on [-1, 2] m") == "E = 1×10⁷ Pa, a = −2.5×10⁻⁶ m/s on [−1, 2] m"
+    assert plain("neo-Hookean, mass-1e5, 3e, x1e5") == "neo-Hookean, mass-1e5, 3e, x1e5"
 
 
 def test_notation() -> None:
