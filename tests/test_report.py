@@ -7,6 +7,7 @@ import math
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -33,7 +34,9 @@ from mpmverify.reports import charts, render
 from mpmverify.reports.equations import mathml
 from mpmverify.reports.notation import DASH, cell_size, interval, number, plain, slugs
 from mpmverify.reports.pages import IndexPage, StudyPage, TrustPage
+from mpmverify.reports.record import Profile
 from mpmverify.reports.site import TEMPLATES, environment
+from mpmverify.reports.thumbnails import HEIGHT, MARGIN, Thumbnail, thumbnail
 from mpmverify.reports.trust_page import trust_page
 from mpmverify.study import Case, Refinement, Series, Study
 
@@ -536,6 +539,35 @@ def test_packed_values_unpack_to_within_half_a_step(values: list[float]) -> None
     back = np.where(steps == -32768, np.nan, field["low"] + (steps + 32767) * field["scale"])
     expected = np.where(np.isfinite(values), values, np.nan)
     np.testing.assert_allclose(back, expected, rtol=1e-12, atol=0.51 * field["scale"])
+
+
+def heights(path: str) -> np.ndarray:
+    return np.array([float(place.split()[1]) for place in path.removeprefix("M").split("L")])
+
+
+def drawn(numerical: Callable[[np.ndarray], np.ndarray], final: float = 1.0) -> Thumbnail:
+    """Thumbnail of sin(pi x) in time, which ends at a height."""
+    x, time = np.linspace(0, 1, 50), np.linspace(0, 1, 9)
+    exact = np.append(np.linspace(-1, 1, 8), final)[:, None] * np.sin(np.pi * x)
+    fields = np.vstack([exact[:-1], numerical(exact[-1])])
+    found = thumbnail(Profile(0.1, time, x, {"u": fields}, {"u": exact}, {"u": "m"}), "u")
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("final", [1.0, 0.3, 1e-17, 0.0])
+def test_a_thumbnail_shows_an_error_by_its_share_of_the_field_whatever_is_left_of_it(final: float) -> None:
+    for error in (0.0, 1e-3, 0.3):
+        small = drawn(lambda exact, error=error: exact + error, final)
+        apart = np.abs(heights(small.exact) - heights(small.numerical)).max() / (HEIGHT - 2 * MARGIN)
+        assert apart == pytest.approx(error / 2.3 if error > 0.1 and final == 1 else error / 2, abs=4e-3)
+
+
+def test_a_wild_profile_leaves_the_exact_one_visible() -> None:
+    for wild in (1e9, -1e9, math.nan):
+        figure = drawn(lambda exact, wild=wild: exact + wild)
+        assert np.ptp(heights(figure.exact)) > 0.25 * HEIGHT
+        assert bool(figure.numerical) == math.isfinite(wild)
 
 
 @pytest.mark.parametrize("latex", [r"\frac{", r"\text{<script>1</script>}", r"\text{<a href='x'>y</a>}", ""])
