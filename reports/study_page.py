@@ -30,6 +30,9 @@ from .record import Case, Measure, Record, Series
 from .styles import STROKES, Style, selection, styles
 from .thumbnails import thumbnail
 
+DOUBTFUL = 8
+"""Series that did not pass of which a reader sees as many at first, beside the selection."""
+
 
 def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
     """Make the page of a study; `runs` are the keys of the run files that can be linked to."""
@@ -131,23 +134,25 @@ def _charted(series: Sequence[Series]) -> bool:
 
 
 def _curves(series: Sequence[Series], looks: Sequence[Style], shown: Measure | None, quantity: str) -> tuple[Curve, ...]:
-    chosen = selection(series, shown)
+    verified = [[f for f in entry.findings if f.gate == "verification"] or entry.findings for entry in series]
+    passed = [all(finding.verdict is Verdict.PASS for finding in findings) for findings in verified]
+    doubtful = [k for k, entry in enumerate(series) if shown in entry.estimates and not passed[k]]
+    chosen = selection(series, shown) | set(doubtful[:DOUBTFUL])
     curves = []
     for k, (entry, look) in enumerate(zip(series, looks, strict=True)):
         estimate = entry.estimates.get(shown) if shown else None
-        verified = [finding for finding in entry.findings if finding.gate == "verification"] or entry.findings
         curve = Curve(
             index=k,
             solver=entry.solver,
             ladder=ladder(entry.refinement),
             order=order(estimate.order) if estimate else "",
             shown=k in chosen,
-            passed=all(finding.verdict is Verdict.PASS for finding in verified),
+            passed=passed[k],
             paint=look.paint,
             stroke=STROKES[look.dash],
             symbol=look.symbol,
             thumbnail=thumbnail(entry.profile, quantity) if entry.profile else None,
-            mark=mark(verified),
+            mark=mark(verified[k]),
         )
         curves.append(curve)
     return tuple(curves)

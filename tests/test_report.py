@@ -4,6 +4,7 @@ import base64
 import dataclasses
 import json
 import math
+import re
 import subprocess
 import sys
 from collections import Counter
@@ -73,7 +74,7 @@ def level(case: str, solver: str, label: str, h: float) -> Level:
     identity = (case, solver, label, h, 0.5, 1, f"{solver}-{round(1 / h)}")
     if solver == "crashed":
         return Level(*identity, outcome=f"crashed; {HOSTILE}")
-    error = {"good": h**2, "also good": h**2, "bad": math.nan if h < 1 / 100 else h}[solver]
+    error = (math.nan if h < 1 / 100 else h) if solver == "bad" else h**2
     norms = np.full(4, error), np.ones(4)
     mode = {"phase_angle_u": 2 * h, "relative_frequency_u": 1 - error, "theoretical_frequency_u": 1 - h**2}
     metrics = {"mass_defect": 1e-16} | (mode if solver == "good" else {})
@@ -327,6 +328,19 @@ def test_what_follows_a_mode_alone_has_its_chooser_and_no_convergence(tmp_path: 
         assert text.index('<fieldset class="curves">') > text.index(f'data-chart="{charts_shown[0]}"')
         assert ("below it the observed order" in text) == ("convergence" in charts_shown)
         assert ('class="order"' in text) == ("convergence" in charts_shown)
+
+
+def test_a_series_that_did_not_pass_is_drawn_at_first_and_marked_among_the_curves(tmp_path: Path) -> None:
+    results = Results(tmp_path)
+    store(results, study(solvers=("first", "second", "bad", *(f"good {k}" for k in range(9)))))
+    render(results)
+    text = (results.report / "sample.html").read_text(encoding="utf-8")
+    boxes = dict(re.findall(r'<input type="checkbox" data-series="(\d+)" data-default="(\d)"', text))
+    assert len(boxes) == 12
+    assert boxes["2"] == "1"
+    assert list(boxes.values()).count("1") == 7, "beside the six that are drawn of any case"
+    chooser = text[text.index('<fieldset class="curves">') : text.index("</fieldset>")]
+    assert chooser.count('class="dot error"') == chooser.count('class="dot') == 1
 
 
 def test_nothing_from_a_file_becomes_markup(stored: tuple[Results, list]) -> None:
