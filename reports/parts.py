@@ -156,10 +156,11 @@ class ErrorCell:
 
 @dataclass(frozen=True)
 class OrderRow:
-    """One series in one quantity and norm; a cell is None where it has no such level."""
+    """One series in one quantity and norm; a cell is None where it has no such level, the mark where the series passed."""
 
     solver: str
     ladder: str
+    mark: Mark | None
     cells: tuple[ErrorCell | None, ...]
     order: str
     interval: str

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpmverify.gate import Finding
+from mpmverify.gate import Finding, Verdict
 from mpmverify.separation import Separation
 
 Array = NDArray[np.float64]
@@ -95,6 +95,15 @@ class Series:
     def sizes(self) -> tuple[float, ...]:
         """Size of each level along the axis; none of a design."""
         return tuple(level.size(self.axis) for level in self.levels) if self.axis else ()
+
+    @property
+    def verified(self) -> tuple[Finding, ...]:
+        """Findings that tell whether the series is right: those of the verification gate, or all where it judged nothing."""
+        return tuple(finding for finding in self.findings if finding.gate == "verification") or self.findings
+
+    @property
+    def passed(self) -> bool:
+        return all(finding.verdict is Verdict.PASS for finding in self.verified)
 
     @property
     def completed(self) -> bool:

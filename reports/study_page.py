@@ -134,9 +134,7 @@ def _charted(series: Sequence[Series]) -> bool:
 
 
 def _curves(series: Sequence[Series], looks: Sequence[Style], shown: Measure | None, quantity: str) -> tuple[Curve, ...]:
-    verified = [[f for f in entry.findings if f.gate == "verification"] or entry.findings for entry in series]
-    passed = [all(finding.verdict is Verdict.PASS for finding in findings) for findings in verified]
-    doubtful = [k for k, entry in enumerate(series) if shown in entry.estimates and not passed[k]]
+    doubtful = [k for k, entry in enumerate(series) if shown in entry.estimates and not entry.passed]
     chosen = selection(series, shown) | set(doubtful[:DOUBTFUL])
     curves = []
     for k, (entry, look) in enumerate(zip(series, looks, strict=True)):
@@ -147,12 +145,12 @@ def _curves(series: Sequence[Series], looks: Sequence[Style], shown: Measure | N
             ladder=ladder(entry.refinement),
             order=order(estimate.order) if estimate else "",
             shown=k in chosen,
-            passed=passed[k],
+            passed=entry.passed,
             paint=look.paint,
             stroke=STROKES[look.dash],
             symbol=look.symbol,
             thumbnail=thumbnail(entry.profile, quantity) if entry.profile else None,
-            mark=mark(verified[k]),
+            mark=mark(entry.verified),
         )
         curves.append(curve)
     return tuple(curves)

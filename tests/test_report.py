@@ -332,15 +332,16 @@ def test_what_follows_a_mode_alone_has_its_chooser_and_no_convergence(tmp_path: 
 
 def test_a_series_that_did_not_pass_is_drawn_at_first_and_marked_among_the_curves(tmp_path: Path) -> None:
     results = Results(tmp_path)
-    store(results, study(solvers=("first", "second", "bad", *(f"good {k}" for k in range(9)))))
+    store(results, study(solvers=("first", "bad", *(f"good {k}" for k in range(10)))))
     render(results)
     text = (results.report / "sample.html").read_text(encoding="utf-8")
     boxes = dict(re.findall(r'<input type="checkbox" data-series="(\d+)" data-default="(\d)"', text))
     assert len(boxes) == 12
-    assert boxes["2"] == "1"
+    assert boxes["1"] == "1"
     assert list(boxes.values()).count("1") == 7, "beside the six that are drawn of any case"
     chooser = text[text.index('<fieldset class="curves">') : text.index("</fieldset>")]
     assert chooser.count('class="dot error"') == chooser.count('class="dot') == 1
+    assert len(re.findall(r'<td class="key"><span class="dot error">', text)) == 4, "in the table of every norm"
 
 
 def test_nothing_from_a_file_becomes_markup(stored: tuple[Results, list]) -> None:
