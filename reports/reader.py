@@ -43,7 +43,7 @@ def read(path: Path) -> Record:
             )
     except ResultsError:
         raise
-    except (OSError, RuntimeError, AttributeError, KeyError, IndexError, ValueError) as error:
+    except (OSError, RuntimeError, AttributeError, LookupError, TypeError, ValueError) as error:
         check_ours(path, "study")
         raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
     return Record(path.stem, attributes, tuple(_cases(root)), schemes, tuple(series), lacking)

@@ -26,6 +26,7 @@ from mpmverify.dataset.kill_table import Fate, PlantedFault, Rate, Rates, SelfTe
 from mpmverify.dataset.level import Level, Snapshots
 from mpmverify.dataset.selftest import write_selftest
 from mpmverify.dataset.study import build, write_study
+from mpmverify.dataset.tables import read_tables
 from mpmverify.dataset.verdicts import declare, findings, judged
 from mpmverify.errors import ResultsError
 from mpmverify.exact import ExactSolution, VerificationProblem
@@ -504,6 +505,18 @@ def test_a_foreign_file_is_named_and_nothing_is_written(fresh: Results, kind: st
     with pytest.raises(ResultsError, match="alien"):
         render(fresh)
     assert not fresh.report.exists()
+
+
+@pytest.mark.parametrize(
+    "text", ["{", "[]", "3", '{"verdict": "PASS"}', '{"verdict": "MAYBE"}', '{"verdict": "PASS", "who": "me"}']
+)
+def test_a_damaged_verdict_on_what_is_lacking_is_named(fresh: Results, text: str) -> None:
+    with netCDF4.Dataset(fresh.study("sample"), "a") as file:
+        file.setncattr("lacking", text)
+    with pytest.raises(ResultsError, match=r"sample\.nc' is damaged"):
+        render(fresh)
+    with pytest.raises(ResultsError, match=r"sample\.nc' is damaged"):
+        read_tables([fresh.study("sample")])
 
 
 def test_a_page_that_is_not_ours_is_not_overwritten(fresh: Results) -> None:
