@@ -5,7 +5,7 @@ A loss by a constant factor leaves every order unchanged; this gate sees it.
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -50,13 +50,8 @@ class Baseline:
 
     def judge(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> Judgement:
         """Compare the errors of one series with the accepted ones: worse fails, better asks to be accepted."""
-        bad = [
-            f"{name}: {outcome}"
-            for name, outcome in zip(evidence.names, evidence.outcomes, strict=True)
-            if outcome != "completed"
-        ]
-        if bad:
-            return Verdict.ERROR, "; ".join(bad)
+        if evidence.incomplete:
+            return Verdict.ERROR, evidence.incomplete
         accepted = self.entries.get(study, {}).get(solver, {}).get(f"{case} | {refinement}", {})
         worse: list[tuple[float, str]] = []
         better: list[tuple[float, str]] = []
@@ -91,25 +86,33 @@ class Baseline:
             return Verdict.INCONCLUSIVE, "no error was measured that a baseline could hold"
         return Verdict.PASS, f"{compared} errors within {RELATIVE:.0%} of the baseline"
 
-    def lacking(self, findings: Sequence[Finding]) -> list[Finding]:
-        """One finding for each of the judged studies that lacks series which the baseline holds: a part passes for no whole."""
-        judged = {(f.study, f.solver, f"{f.case} | {f.refinement}") for f in findings}
-        table = []
-        for study in dict.fromkeys(f.study for f in findings):
-            known = [(solver, series) for solver, entry in self.entries.get(study, {}).items() for series in entry]
-            absent = sorted((solver, series) for solver, series in known if (study, solver, series) not in judged)
-            if not absent:
-                continue
-            solver, series = absent[0]
-            case, _, refinement = series.partition(" | ")
-            reason = (
-                f"in the baseline, but not in the results ({len(absent)} of {len(known)} series in all): run the whole study, "
-                "or take out of the baseline what is gone for good"
-            )
-            table.append(
-                Finding(study, case, solver, refinement, "regression", TITLE, Verdict.INCONCLUSIVE, reason, self.source)
-            )
-        return table
+    def lacking(self, study: str, series: Collection[tuple[str, str, str]], restricted_to: str = "") -> Finding | None:
+        """Say which series the baseline holds of a study whose results lack them, for a part passes for no whole.
+
+        Parameters
+        ----------
+        study : str
+        series : collection of (case, solver, refinement)
+            What was run of it.
+        restricted_to : str
+            What the run was restricted to, "" where it was not.
+
+        Returns
+        -------
+        Finding or None
+            INCONCLUSIVE of the first of them by name; None where none is lacking.
+        """
+        run = {(solver, f"{case} | {refinement}") for case, solver, refinement in series}
+        known = [(solver, name) for solver, entry in self.entries.get(study, {}).items() for name in entry]
+        absent = sorted(set(known) - run)
+        if not absent:
+            return None
+        solver, name = absent[0]
+        case, _, refinement = name.partition(" | ")
+        why = f"the run was restricted to {restricted_to}: " if restricted_to else ""
+        remedy = "run the whole study" + ("" if restricted_to else ", or take out of the baseline what is gone for good")
+        reason = f"in the baseline, but not in the results ({len(absent)} of {len(known)} series in all): {why}{remedy}"
+        return Finding(study, case, solver, refinement, "regression", TITLE, Verdict.INCONCLUSIVE, reason, self.source)
 
     def updated(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> None:
         """Take over the errors of one series."""

@@ -89,7 +89,7 @@ class Bench:
                 text = json.dumps([dataclasses.asdict(finding) for finding in self._run()])
                 write_atomic(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
             stored = json.loads(path.read_text(encoding="utf-8"))
-        return [Finding(**(entry | {"verdict": Verdict(entry["verdict"])})) for entry in stored]
+        return [Finding.of(entry) for entry in stored]
 
     def _run(self) -> Sequence[Finding]:
         wanted = self.wanted()

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from mpmverify.convergence import Convergence, analyse
 from mpmverify.exact import VerificationProblem
 from mpmverify.norms import NORMS
 from mpmverify.problem import Array, Discretisation
-from mpmverify.solution import Solution
+from mpmverify.solution import ADVICE, Solution
 from mpmverify.verdict import Judgement, Verdict, worst
 
 
@@ -56,6 +56,32 @@ class Evidence:
         if len(np.unique(self.h)) == len(self.h):
             return tuple(f"h={h:g}" for h in self.h)
         return tuple(f"h={h:g} nu_C={c:g} ppc={ppc}" for h, c, ppc in zip(self.h, self.courant, self.ppc, strict=True))
+
+    @property
+    def incomplete(self) -> str:
+        """What became of the runs that did not complete, each outcome and each advice once; "" where every run did."""
+        levels: dict[tuple[str, str], list[int]] = {}
+        for k, outcome in enumerate(self.outcomes):
+            advice = next((known for known in ADVICE.values() if known and outcome.endswith(f"; {known}")), "")
+            levels.setdefault((advice, outcome.removesuffix(f"; {advice}")), []).append(k)
+        sentences: dict[str, list[str]] = {}
+        for (advice, outcome), members in levels.items():
+            if outcome != "completed":
+                sentences.setdefault(advice, []).append(f"{self._which(members)}: {outcome}")
+        return "; ".join(part for advice, told in sentences.items() for part in (*told, advice) if part)
+
+    def _which(self, levels: Sequence[int]) -> str:
+        """Name some levels, in ascending order: neighbours by the first and the last of them."""
+        if len(levels) == len(self.outcomes) > 1:
+            return "every level"
+        spans: list[list[int]] = []
+        for k in levels:
+            if spans and k == spans[-1][-1] + 1:
+                spans[-1].append(k)
+            else:
+                spans.append([k])
+        first_to_last = (dict.fromkeys((self.names[span[0]], self.names[span[-1]])) for span in spans)
+        return ", ".join(" to ".join(ends) for ends in first_to_last)
 
     @property
     def sizes(self) -> Mapping[str, Array]:
@@ -136,6 +162,11 @@ class Finding:
     reason: str
     source: str
 
+    @classmethod
+    def of(cls, fields: Mapping[str, Any]) -> "Finding":
+        """Make a finding of its fields as a file holds them; an unknown verdict is a `ValueError`."""
+        return cls(**(dict(fields) | {"verdict": Verdict(fields["verdict"])}))
+
     def __str__(self) -> str:
         return f"{self.verdict} {self.study}/{self.case}/{self.solver} ({self.refinement}): {self.criterion}: {self.reason}"
 
@@ -145,11 +176,8 @@ def judge(criterion: Criterion, evidence: Evidence) -> Judgement:
 
     Save for a criterion on outcomes.
     """
-    failed = [
-        (name, outcome) for name, outcome in zip(evidence.names, evidence.outcomes, strict=True) if outcome != "completed"
-    ]
-    if failed and not isinstance(criterion, OnOutcomes):
-        return Verdict.ERROR, "; ".join(f"{name}: {outcome}" for name, outcome in failed)
+    if evidence.incomplete and not isinstance(criterion, OnOutcomes):
+        return Verdict.ERROR, evidence.incomplete
     if not evidence.outcomes:
         return Verdict.ERROR, "no level was run"
     try:

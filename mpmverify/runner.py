@@ -12,7 +12,7 @@ from mpmverify.dataset.content import digest, file_digest
 from mpmverify.dataset.files import Results, check_ours
 from mpmverify.errors import ResultsError
 from mpmverify.evaluation import Evaluated, Task, run_key
-from mpmverify.gate import Finding, Verdict
+from mpmverify.gate import Finding
 from mpmverify.study import Study
 
 SHOWN_POINTS = 160
@@ -184,7 +184,7 @@ def _stamp(path: Path) -> list[int]:
 
 def _findings(entry: dict) -> tuple[Finding, ...]:
     """Findings of one study as `verdicts.json` holds them."""
-    return tuple(Finding(**(finding | {"verdict": Verdict(finding["verdict"])})) for finding in entry["findings"])
+    return tuple(Finding.of(finding) for finding in entry["findings"])
 
 
 def read_verdicts(results: Results) -> dict[str, dict]:

@@ -155,6 +155,8 @@ class Study:
     title, summary : str
         For people.
     cases : tuple of Case
+    restricted_to : str
+        Of what was declared the part that these cases are, in words; "" for the whole.
 
     Raises
     ------
@@ -166,6 +168,7 @@ class Study:
     title: str
     summary: str
     cases: tuple[Case, ...]
+    restricted_to: str = ""
 
     def __post_init__(self) -> None:
         seen = set()
@@ -190,7 +193,7 @@ class Study:
         return tuple(dict.fromkeys(series.solver.name for _, series in self.series()))
 
     def restricted(self, solvers: tuple[str, ...] = (), courant: float | None = None) -> "Study":
-        """Return the study with the named solvers alone, and at one Courant number throughout."""
+        """Return the study with the named solvers alone, and at one Courant number throughout; it says what it was restricted to."""
         cases = []
         for case in self.cases:
             chosen: dict[tuple[str, str], Series] = {}
@@ -202,4 +205,8 @@ class Study:
                 chosen.setdefault((series.solver.name, series.refinement.label), series)
             if chosen:
                 cases.append(dataclasses.replace(case, series=tuple(chosen.values())))
-        return dataclasses.replace(self, cases=tuple(cases))
+        kept = dataclasses.replace(self, cases=tuple(cases))
+        names = kept.solver_names()
+        parts = [", ".join(names)] if len(names) < len(self.solver_names()) else []
+        parts += [] if courant is None else [f"Courant number {courant:g}"]
+        return dataclasses.replace(kept, restricted_to="; ".join(parts) or self.restricted_to)

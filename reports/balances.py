@@ -36,10 +36,10 @@ def balances(series: Series) -> Iterator[Balance]:
         curves = {"kinetic": history["kinetic_energy"], "strain": history["strain_energy"]}
         work = history.get("external_work")
         if work is not None and work.any():
-            curves["external work"] = work
+            curves["work"] = work
             energy = energy - work
-        total = "kinetic + strain" + (" − work" if "external work" in curves else "")
-        yield Balance("Energy", "energy", units["kinetic_energy"], curves | {total: energy})
+        total = "kinetic + strain" + (" − external work" if "work" in curves else "")
+        yield Balance(f"Energy; total: {total}", "energy", units["kinetic_energy"], curves | {"total": energy})
         yield Balance("Energy drift", "change of the total", units["kinetic_energy"], {"drift": energy - energy[0]})
     for stock, source in BALANCES:
         if stock not in history:

@@ -222,7 +222,12 @@ def _wave_figures(quantity: str, unit: str) -> Figure:
     position = "reference position X [m]"
     bar = {"thickness": 10, "outlinewidth": 0, "exponentformat": "power", "tickfont": {"color": MUTED}}
     square = layout(xaxis=axis(position), yaxis=axis("t [s]"), margin={"l": 56, "r": 8, "t": 12, "b": 48})
-    heat = {"type": "heatmap", "colorbar": bar, "hovertemplate": "X = %{x}<br>t = %{y}<br>%{z:.3~g}<extra></extra>"}
+
+    def heat(title: str, **colours: Any) -> Figure:
+        colorbar = bar | {"title": {"text": in_unit(title, unit), "side": "right"}}
+        hover = "X = %{x} m<br>t = %{y} s<br>%{z:.3~g}<extra></extra>"
+        return {"type": "heatmap", "colorbar": colorbar, "hovertemplate": hover} | colours
+
     return {
         "profile": {
             "data": [
@@ -233,15 +238,15 @@ def _wave_figures(quantity: str, unit: str) -> Figure:
             "layout": layout(
                 xaxis=axis(position, anchor="y2"),
                 yaxis=axis(in_unit(quantity, unit), domain=[0.36, 1]),
-                yaxis2=axis("error", domain=[0, 0.26]),
+                yaxis2=axis(in_unit("error", unit), domain=[0, 0.26]),
                 showlegend=True,
                 legend={"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"},
                 margin={"l": 72, "r": 16, "t": 32, "b": 48},
                 hovermode="x unified",
             ),
         },
-        "value": {"data": [heat | {"colorscale": SEQUENTIAL}], "signed": DIVERGING, "layout": square},
-        "error": {"data": [heat | {"colorscale": DIVERGING, "zmid": 0}], "layout": square},
+        "value": {"data": [heat(quantity, colorscale=SEQUENTIAL)], "signed": DIVERGING, "layout": square},
+        "error": {"data": [heat("error", colorscale=DIVERGING, zmid=0)], "layout": square},
     }
 
 

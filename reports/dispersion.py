@@ -51,4 +51,11 @@ def figure(series: Sequence[Series], looks: Sequence[Style]) -> Figure:
         "y1": 1,
         "line": {"color": MUTED, "dash": "dash", "width": 1},
     }
-    return {"data": data, "layout": layout(xaxis=axis("kh", rangemode="tozero"), yaxis=axis("ω/(ck)"), shapes=[exact])}
+    return {
+        "data": data,
+        "layout": layout(
+            xaxis=axis("phase angle per cell, kh [rad]", rangemode="tozero"),
+            yaxis=axis("frequency over its exact value, ω/(ck)"),
+            shapes=[exact],
+        ),
+    }

@@ -31,6 +31,12 @@ def size(value: float) -> str:
     return number(value, 4) if "e" in text else text.replace("-", MINUS)
 
 
+def plain(text: str) -> str:
+    """Return a text with the numbers in it as people write them: "1e-06" as 1×10⁻⁶."""
+    powers = re.sub(r"(?<=\d)e([+-]\d+)\b", lambda found: f"×10{str(int(found[1])).translate(SUPERSCRIPT)}", text)
+    return re.sub(r"(?<![\w.])-(?=\d)", MINUS, powers)
+
+
 def cell_size(value: float) -> str:
     """Return a cell size as a fraction of the unit where it is one, "1/64", else to four digits."""
     parts = 1 / value

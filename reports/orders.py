@@ -6,6 +6,7 @@ from mpmverify.axis import UNITS
 
 from .charts import key
 from .notation import DASH, NORM_NAMES, cell_size, in_unit, interval, ladder, number, order, unit
+from .overview import mark
 from .parts import ErrorCell, Fact, OrderRow, OrderTable
 from .record import Estimate, Level, Measure, Series
 
@@ -60,6 +61,7 @@ def _row(entry: Series, measure: Measure, sizes: Sequence[float]) -> OrderRow:
     return OrderRow(
         solver=entry.solver,
         ladder=ladder(entry.refinement),
+        mark=None if entry.passed else mark(entry.verified),
         cells=tuple(cells.get(size) for size in sizes),
         order=order(estimate.order) if estimate else DASH,
         interval=interval(estimate.low, estimate.high) if estimate else DASH,

@@ -2,13 +2,14 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 from mpmverify.gate import Finding, Verdict, exit_status, worst
 from mpmverify.summary import ranked
 
 from .notation import ladder, slugs
 from .pages import IndexPage
-from .parts import Cell, Fact, GateMark, Group, Judgement, Link, Mark, Origin, Row, Share
+from .parts import Cell, Criterion, Fact, GateMark, Group, Judgement, Link, Mark, Origin, Row, Share
 from .record import Record
 
 GATES = ("verification", "regression")
@@ -57,10 +58,12 @@ def shares(findings: Sequence[Finding]) -> tuple[Share, ...]:
 
 
 def cell(findings: Sequence[Finding], href: str) -> Cell:
-    """Make the cell of some findings; its hint has the reasons of the worst of them."""
+    """Make the cell of some findings, as narrow as can be; its hint has the reasons of the worst of them."""
     bad = [f"{f.verdict} {f.case}, {ladder(f.refinement)}: {f.criterion}: {f.reason}" for f in ranked(findings)]
     more = [f"and {len(bad) - HINTS} more"] if len(bad) > HINTS else []
-    return Cell(mark(findings), href, "\n".join(bad[:HINTS] + more) or f"all {len(findings)} passed")
+    worst_of = mark(findings)
+    note = str(len(findings)) if worst_of.kind == "pass" else worst_of.note.replace(" of ", "/")
+    return Cell(replace(worst_of, note=note), href, "\n".join(bad[:HINTS] + more) or f"all {len(findings)} passed")
 
 
 def matrix(
@@ -85,18 +88,35 @@ def matrix(
     return tuple(rows)
 
 
-def judgement(finding: Finding, href: str, footnote: int = 0) -> Judgement:
-    return Judgement(
-        mark=Mark(finding.verdict.value.lower(), finding.verdict.value),
-        study=finding.study,
-        case=finding.case,
-        solver=finding.solver,
-        ladder=ladder(finding.refinement),
-        gate=finding.gate,
-        criterion=finding.criterion,
-        reason=finding.reason,
-        href=href,
-        footnote=footnote,
+def judgements(
+    findings: Sequence[Finding], href: Callable[[Finding], str], sources: Sequence[str] = ()
+) -> tuple[Judgement, ...]:
+    """Findings as they are listed: a run that did not complete is told once, for all criteria of its series.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+    href : callable
+        Gives the link of a finding.
+    sources : sequence of str
+        Numbered footnotes.
+    """
+    table: dict[Finding, list[Finding]] = {}
+    for finding in findings:
+        table.setdefault(replace(finding, criterion="", source=""), []).append(finding)
+    return tuple(
+        Judgement(
+            mark=Mark(shared.verdict.value.lower(), shared.verdict.value),
+            study=shared.study,
+            case=shared.case,
+            solver=shared.solver,
+            ladder=ladder(shared.refinement),
+            gate=shared.gate,
+            criteria=tuple(Criterion(f.criterion, sources.index(f.source) + 1 if f.source in sources else 0) for f in members),
+            reason=shared.reason,
+            href=href(shared),
+        )
+        for shared, members in table.items()
     )
 
 
@@ -110,8 +130,8 @@ def not_passed(findings: Sequence[Finding], href: Callable[[Finding], str]) -> t
         for gate in GATES:
             members = table.get((verdict, gate), [])
             if members:
-                judged = tuple(judgement(f, href(f)) for f in members)
-                severe = verdict is not Verdict.INCONCLUSIVE or len(members) <= 12
+                judged = judgements(members, href)
+                severe = verdict is not Verdict.INCONCLUSIVE or len(judged) <= 12
                 title = f"{gate.capitalize()}: {len(members)}"
                 groups.append(Group(f"{verdict.value.lower()}-{gate}", judged[0].mark, title, (), severe, judged))
     return tuple(groups)
@@ -124,6 +144,7 @@ def origin(record: Record) -> Origin:
         "Written": a["date_created"],
         "Commit": a["commit"] if a["commit_state"] == "installed" else f"{a['commit'][:12]} ({a['commit_state']})",
         "Tier": a["tier"],
+        "Restricted to": record.restricted_to,
         "Made by": a["source"],
         "Versions": a["versions"],
         "Platform": a["platform"],
@@ -131,7 +152,7 @@ def origin(record: Record) -> Origin:
         "Inputs": a["inputs"] or "incomplete: a run left no file",
         "Schema": f"{a['mpmverify_schema']}, {a['Conventions']}",
     }
-    return Origin(record.name, f"../{record.name}.nc", tuple(Fact(name, str(value)) for name, value in names.items()))
+    return Origin(record.name, f"../{record.name}.nc", tuple(Fact(name, str(value)) for name, value in names.items() if value))
 
 
 def index_page(records: Sequence[Record], generator: str, *, trusted: bool = False) -> IndexPage:
@@ -146,21 +167,22 @@ def index_page(records: Sequence[Record], generator: str, *, trusted: bool = Fal
         generator=generator,
         navigation=(
             Link("Overview", "index.html", True),
-            *(Link(str(r.attributes["title"]), f"{r.name}.html") for r in records),
             *((Link("How far to trust this", "trust.html"),) if trusted else ()),
+            *(Link(str(r.attributes["title"]), f"{r.name}.html") for r in records),
         ),
         mark=mark(findings),
         gates=gate_marks(findings),
         shares=shares(findings),
+        lacking=judgements([f for record in records for f in record.lacking], lambda f: f"{f.study}.html#lacking"),
         exit_status=MEANING[exit_status(verdicts, strict=True)],
         columns=tuple(Link(str(record.attributes["title"]), f"{record.name}.html") for record in records),
         rows=matrix(
-            findings,
+            [finding for record in records for finding in record.judged],
             [record.name for record in records],
             lambda finding: finding.study,
             lambda study, solver: f"{study}.html#{solvers[study][solver]}",
             {solver: f"solver-{anchor}" for solver, anchor in slugs(names).items()},
         ),
-        groups=not_passed(findings, lambda f: f"{f.study}.html#{places[f.study][f.case, f.solver]}"),
+        groups=not_passed(findings, lambda f: f"{f.study}.html#{places[f.study].get((f.case, f.solver), 'lacking')}"),
         origins=tuple(origin(record) for record in records),
     )

@@ -9,6 +9,7 @@ from .parts import (
     FaultRow,
     GateMark,
     Group,
+    Judgement,
     Link,
     Mark,
     Option,
@@ -29,7 +30,8 @@ class CaseSection:
     """A case on the page of its study.
 
     `figures` is JSON for the script, safe within HTML; `charted` tells whether any error can be drawn against what its ladder
-    refines, and `dispersive` whether frequencies were measured; `maps` are the titles of the dominance maps.
+    refines, and `dispersive` whether frequencies were measured; `maps` are the titles of the dominance maps. A case whose frequencies
+    were measured and whose orders nobody judges is not charted and has no tables.
     """
 
     anchor: str
@@ -69,6 +71,8 @@ class IndexPage:
     gates : tuple of GateMark
     shares : tuple of Share
         How many findings have each verdict.
+    lacking : tuple of Judgement
+        Of each study that lacks series of the baseline.
     exit_status : str
         With which status the gate would end, in a sentence.
     columns : tuple of Link
@@ -85,6 +89,7 @@ class IndexPage:
     mark: Mark
     gates: tuple[GateMark, ...]
     shares: tuple[Share, ...]
+    lacking: tuple[Judgement, ...]
     exit_status: str
     columns: tuple[Link, ...]
     rows: tuple[Row, ...]
@@ -101,9 +106,13 @@ class StudyPage:
     title, generator : str
     navigation : tuple of Link
         The index page and the cases.
+    restricted_to : str
+        The part of the study that was run, "" for the whole.
     summary : str
     gates : tuple of GateMark
     shares : tuple of Share
+    lacking : tuple of Judgement
+        One when the study lacks series of the baseline.
     columns : tuple of Link
         Cases of the matrix.
     rows : tuple of Row
@@ -116,9 +125,11 @@ class StudyPage:
     title: str
     generator: str
     navigation: tuple[Link, ...]
+    restricted_to: str
     summary: str
     gates: tuple[GateMark, ...]
     shares: tuple[Share, ...]
+    lacking: tuple[Judgement, ...]
     columns: tuple[Link, ...]
     rows: tuple[Row, ...]
     schemes: tuple[Scheme, ...]

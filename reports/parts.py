@@ -67,8 +67,16 @@ class Scheme:
 
 
 @dataclass(frozen=True)
+class Criterion:
+    """What was judged; `footnote` numbers its source among those of its case."""
+
+    title: str
+    footnote: int
+
+
+@dataclass(frozen=True)
 class Judgement:
-    """A finding; `footnote` numbers its source among those of its case."""
+    """Findings on one series that share their verdict and their reason."""
 
     mark: Mark
     study: str
@@ -76,10 +84,9 @@ class Judgement:
     solver: str
     ladder: str
     gate: str
-    criterion: str
+    criteria: tuple[Criterion, ...]
     reason: str
     href: str
-    footnote: int = 0
 
 
 @dataclass(frozen=True)
@@ -149,10 +156,11 @@ class ErrorCell:
 
 @dataclass(frozen=True)
 class OrderRow:
-    """One series in one quantity and norm; a cell is None where it has no such level."""
+    """One series in one quantity and norm; a cell is None where it has no such level, the mark where the series passed."""
 
     solver: str
     ladder: str
+    mark: Mark | None
     cells: tuple[ErrorCell | None, ...]
     order: str
     interval: str
@@ -227,7 +235,6 @@ class FaultRow:
     """A planted fault: the passage before and after, what caught it, and in which trial."""
 
     mark: Mark
-    family: str
     name: str
     place: str
     before: str

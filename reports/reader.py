@@ -11,7 +11,7 @@ import numpy as np
 from mpmverify.dataset.files import SCHEMA, check_ours
 from mpmverify.dataset.sources import MEANING, source_of
 from mpmverify.errors import ResultsError
-from mpmverify.gate import Finding, Verdict
+from mpmverify.gate import Finding
 from mpmverify.separation import Separation
 
 from .record import Array, Case, Estimate, Level, Measure, Profile, Record, Series
@@ -38,12 +38,15 @@ def read(path: Path) -> Record:
             root = _columns(file)
             series = [entry for solver, group in file.groups.items() for entry in _series(path.stem, solver, group)]
             schemes = {solver: str(group.scheme) for solver, group in file.groups.items()}
+            lacking = tuple(
+                Finding.of(json.loads(stored) | {"study": path.stem}) for stored in [attributes.get("lacking")] if stored
+            )
     except ResultsError:
         raise
-    except (OSError, RuntimeError, AttributeError, KeyError, IndexError, ValueError) as error:
+    except (OSError, RuntimeError, AttributeError, LookupError, TypeError, ValueError) as error:
         check_ours(path, "study")
         raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
-    return Record(path.stem, attributes, tuple(_cases(root)), schemes, tuple(series))
+    return Record(path.stem, attributes, tuple(_cases(root)), schemes, tuple(series), lacking)
 
 
 def _columns(group: netCDF4.Dataset) -> dict[str, np.ndarray]:
@@ -101,8 +104,7 @@ def _judged(column: Mapping[str, np.ndarray], study: str, solver: str) -> dict[t
     table: dict[tuple[str, str], list[Finding]] = {}
     fields = {name.removeprefix("verdict_"): values.tolist() for name, values in column.items() if name.startswith("verdict_")}
     for row in zip(*fields.values(), strict=True):
-        values = dict(zip(fields, row, strict=True))
-        finding = Finding(study=study, solver=solver, verdict=Verdict(values.pop("verdict")), **values)
+        finding = Finding.of({"study": study, "solver": solver} | dict(zip(fields, row, strict=True)))
         table.setdefault((finding.case, finding.refinement), []).append(finding)
     return table
 

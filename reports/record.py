@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpmverify.gate import Finding
+from mpmverify.gate import Finding, Verdict
 from mpmverify.separation import Separation
 
 Array = NDArray[np.float64]
@@ -97,6 +97,15 @@ class Series:
         return tuple(level.size(self.axis) for level in self.levels) if self.axis else ()
 
     @property
+    def verified(self) -> tuple[Finding, ...]:
+        """Findings that tell whether the series is right: those of the verification gate, or all where it judged nothing."""
+        return tuple(finding for finding in self.findings if finding.gate == "verification") or self.findings
+
+    @property
+    def passed(self) -> bool:
+        return all(finding.verdict is Verdict.PASS for finding in self.verified)
+
+    @property
     def completed(self) -> bool:
         return all(level.outcome == "completed" for level in self.levels)
 
@@ -115,14 +124,25 @@ class Case:
 
 @dataclass(frozen=True)
 class Record:
-    """A study's file: its attributes, cases, schemes by solver and series."""
+    """A study's file: its attributes, cases, schemes by solver and series; `lacking` says what the baseline has beside these."""
 
     name: str
     attributes: Mapping[str, Any]
     cases: tuple[Case, ...]
     schemes: Mapping[str, str]
     series: tuple[Series, ...]
+    lacking: tuple[Finding, ...] = ()
+
+    @property
+    def judged(self) -> tuple[Finding, ...]:
+        """Findings on the series."""
+        return tuple(finding for series in self.series for finding in series.findings)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        return tuple(finding for series in self.series for finding in series.findings)
+        return self.judged + self.lacking
+
+    @property
+    def restricted_to(self) -> str:
+        """What its run was restricted to; "" where it was not."""
+        return str(self.attributes.get("restricted_to", ""))

@@ -11,12 +11,12 @@ from . import charts, dispersion
 from .balances import balances
 from .dominance import maps, source_rows
 from .equations import mathml
-from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size
+from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, plain, size
 from .orders import leading, measures, order_tables
 from .overview import (
     case_anchors,
     gate_marks,
-    judgement,
+    judgements,
     mark,
     matrix,
     origin,
@@ -29,6 +29,9 @@ from .parts import Curve, Fact, Group, Link, Option, RunRow, Scheme
 from .record import Case, Measure, Record, Series
 from .styles import STROKES, Style, selection, styles
 from .thumbnails import thumbnail
+
+DOUBTFUL = 8
+"""Series that did not pass of which a reader sees as many at first, beside the selection."""
 
 
 def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
@@ -47,12 +50,14 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
         title=str(record.attributes["title"]),
         generator=generator,
         navigation=(Link("Overview", "index.html"), *(Link(name, f"#{anchors[name]}") for name in cases)),
+        restricted_to=record.restricted_to,
         summary=str(record.attributes["summary"]),
         gates=gate_marks(record.findings),
         shares=shares(record.findings),
+        lacking=judgements(record.lacking, lambda _: "#lacking"),
         columns=tuple(Link(name, f"#{anchors[name]}") for name in cases),
         rows=matrix(
-            record.findings,
+            record.judged,
             cases,
             lambda finding: finding.case,
             lambda case, solver: f"#{places[case, solver]}",
@@ -82,7 +87,11 @@ def _section(
     sources = list(dict.fromkeys(finding.source for finding in findings))
     units = {quantity: unit for entry in series if entry.profile for quantity, unit in entry.profile.units.items()}
     first = case.shown if case.shown in units else next(iter(units), "")
-    known = measures([entry for entry in series if entry.axis])
+    dispersive = any(list(dispersion.measured(entry)) for entry in series)
+    # On few cells a mode is out of phase by many periods at the final time: where nobody judges its error, it tells no order.
+    convergent = not dispersive or any(entry.bands for entry in series)
+    ladders = [entry for entry in series if entry.axis and convergent]
+    known = measures(ladders)
     dominance = maps(series)
     return CaseSection(
         anchor=anchor,
@@ -94,12 +103,12 @@ def _section(
         setup=tuple(_fact(name, value) for name, value in case.setup),
         quantities=_options([q for q, _ in known], shown and shown[0], {}),
         norms=_options([norm for _, norm in known], shown and shown[1], NORM_NAMES),
-        charted=_charted(series),
-        dispersive=any(list(dispersion.measured(entry)) for entry in series),
+        charted=_charted(ladders),
+        dispersive=dispersive,
         curves=_curves(series, looks, shown, first),
         wave_quantities=_options(list(units), first, {}),
         thumbnail_quantity=first,
-        tables=order_tables(series, shown),
+        tables=order_tables(ladders, shown),
         source_rows=source_rows(series),
         maps=tuple(str(figure["title"]) for figure in dominance),
         groups=_groups(findings, places, sources),
@@ -112,7 +121,7 @@ def _section(
 
 def _fact(name: str, value: str) -> Fact:
     name = re.sub(r"^face (\w)([+-])$", lambda face: f"face {face[1]}{face[2].replace('-', MINUS)}", name)
-    return Fact(name, re.sub(r"(?<=\()value=(?=\w+\()", "", value))
+    return Fact(name, plain(value).replace(" = ", "\u00a0=\u00a0"))
 
 
 def _options(values: Sequence[str], selected: str | None, names: dict[str, str]) -> tuple[Option, ...]:
@@ -120,29 +129,28 @@ def _options(values: Sequence[str], selected: str | None, names: dict[str, str])
 
 
 def _charted(series: Sequence[Series]) -> bool:
-    ladders = [entry for entry in series if entry.axis]
-    levels = any(len(entry.levels) > 1 for entry in ladders)
-    return levels and any((estimate.error > 0).any() for entry in ladders for estimate in entry.estimates.values())
+    levels = any(len(entry.levels) > 1 for entry in series)
+    return levels and any((estimate.error > 0).any() for entry in series for estimate in entry.estimates.values())
 
 
 def _curves(series: Sequence[Series], looks: Sequence[Style], shown: Measure | None, quantity: str) -> tuple[Curve, ...]:
-    chosen = selection(series, shown)
+    doubtful = [k for k, entry in enumerate(series) if shown in entry.estimates and not entry.passed]
+    chosen = selection(series, shown) | set(doubtful[:DOUBTFUL])
     curves = []
     for k, (entry, look) in enumerate(zip(series, looks, strict=True)):
         estimate = entry.estimates.get(shown) if shown else None
-        verified = [finding for finding in entry.findings if finding.gate == "verification"] or entry.findings
         curve = Curve(
             index=k,
             solver=entry.solver,
             ladder=ladder(entry.refinement),
             order=order(estimate.order) if estimate else "",
             shown=k in chosen,
-            passed=all(finding.verdict is Verdict.PASS for finding in verified),
+            passed=entry.passed,
             paint=look.paint,
             stroke=STROKES[look.dash],
             symbol=look.symbol,
             thumbnail=thumbnail(entry.profile, quantity) if entry.profile else None,
-            mark=mark(verified),
+            mark=mark(entry.verified),
         )
         curves.append(curve)
     return tuple(curves)
@@ -160,7 +168,7 @@ def _groups(findings: Sequence[Finding], places: Mapping[tuple[str, str], str], 
             for f in members
         )
         name = places[members[0].case, solver]
-        judged = tuple(judgement(f, f"#{name}", sources.index(f.source) + 1) for f in members)
+        judged = judgements(members, lambda finding: f"#{places[finding.case, finding.solver]}", sources)
         groups.append(Group(name, mark(members), solver, gate_marks(members), doubtful, judged))
     return tuple(groups)
 

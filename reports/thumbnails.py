@@ -25,13 +25,14 @@ def thumbnail(profile: Profile, quantity: str) -> Thumbnail | None:
     x = profile.reference[::every]
     exact, numerical = profile.exact[quantity][-1, ::every], profile.fields[quantity][-1, ::every]
     both = np.concatenate([exact, numerical])
-    seen, spread = exact[np.isfinite(exact)], np.ptp(x)
-    if not len(seen) or spread == 0:
+    # The scale is that of the whole run: a field that happens to vanish at its end would show nothing but round-off.
+    seen, spread = profile.exact[quantity][np.isfinite(profile.exact[quantity])], np.ptp(x)
+    if not np.isfinite(exact).any() or spread == 0:
         return None
     # A wild numerical profile may take half of the room again on either side, so that the exact one stays visible.
     room = np.ptp(seen) or float(np.abs(seen).max()) or 1.0
     inside = both[np.isfinite(both)].clip(seen.min() - 0.5 * room, seen.max() + 0.5 * room)
-    low, high = inside.min(), inside.max()
+    low, high = min(inside.min(), seen.min()), max(inside.max(), seen.max())
     across = MARGIN + (x - x[0]) / spread * (WIDTH - 2 * MARGIN)
 
     def path(values: Array) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from mpmverify.dataset.kill_table import Fate, PlantedFault, Rate, SelfTest, total
 
+from .notation import count
 from .pages import TrustPage
 from .parts import Fact, Fates, FaultRow, Link, Mark, Origin, Plain, RateTable
 
@@ -90,16 +91,16 @@ def _of(test: SelfTest, fate: Fate) -> list[PlantedFault]:
 
 
 def _row(fault: PlantedFault) -> FaultRow:
+    explained = fault.fate is Fate.SURVIVED and bool(fault.explanation)
     kind = {
-        Fate.SURVIVED: "fail",
+        Fate.SURVIVED: "inconclusive" if explained else "fail",
         Fate.UNDECIDED: "inconclusive",
         Fate.NOT_EXERCISED: "inconclusive",
         Fate.EQUIVALENT: "inconclusive",
     }.get(fault.fate, "pass")
     where = f"{fault.study} / {fault.case} / {fault.solver}" if fault.study else ""
     return FaultRow(
-        mark=Mark(kind, fault.fate.value),
-        family=fault.family,
+        mark=Mark(kind, f"{fault.fate}, explained" if explained else fault.fate.value),
         name=fault.name,
         place=f"{fault.file}:{fault.line}",
         before=_short(fault.before),
@@ -115,7 +116,7 @@ def _judge(rates: Sequence[Rate]) -> str:
         return "The judge was not asked about random series: the unmodified solvers did not pass."
     every = total(rates)
     return (
-        f"Of {every.series} random error series of known truth the judge passed {every.wrong_pass / every.series:.3%} wrongly and failed "
+        f"Of {count(every.series)} random error series of known truth the judge passed {every.wrong_pass / every.series:.3%} wrongly and failed "
         f"{every.wrong_fail / every.series:.3%} wrongly; on {every.inconclusive / every.series:.0%} it says that they decide nothing yet."
     )
 

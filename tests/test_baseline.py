@@ -161,6 +161,30 @@ def test_the_baseline_of_another_series_is_none(other):
     assert Baseline("unused").judge(*SERIES, evidence())[0] is Verdict.INCONCLUSIVE
 
 
+@pytest.mark.parametrize(
+    ("run", "restricted_to", "said"),
+    [
+        ([], "", "(2 of 2 series in all): run the whole study, or take out of the baseline what is gone for good"),
+        ([("step", "other", "nu_C=0.5")], "", "(2 of 2 series in all): run the whole study, or"),
+        ([("step", "tg", "nu_C=0.5")], "tg", "(1 of 2 series in all): the run was restricted to tg: run the whole study"),
+        ([("step", "tg", "nu_C=0.5"), ("step", "zz", "nu_C=0.5"), ("new", "tg", "l")], "tg", ""),
+    ],
+)
+def test_series_of_the_baseline_that_were_not_run_are_one_verdict(run, restricted_to, said):
+    baseline = accepted()
+    baseline.updated("bar", "zz", "step", "nu_C=0.5", evidence())
+    baseline.updated("another", "tg", "step", "nu_C=0.5", evidence())
+    found = baseline.lacking("bar", run, restricted_to)
+    if not said:
+        assert found is None
+        return
+    assert found.verdict is Verdict.INCONCLUSIVE
+    assert found.reason.startswith(f"in the baseline, but not in the results {said}")
+    assert ("gone for good" in found.reason) == (not restricted_to), "what was left out on purpose is not gone"
+    assert (found.case, found.solver, found.refinement) not in run
+    assert baseline.lacking("unknown", run, restricted_to) is None
+
+
 def test_a_loss_is_a_loss_whatever_is_missing_beside_it():
     assert verdict(accepted(evidence(h=H[:2])), evidence(1.05)) is Verdict.FAIL
 

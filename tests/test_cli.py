@@ -410,7 +410,13 @@ def test_a_part_of_a_study_passes_for_no_whole(tmp_path):
     assert call("gate", "--strict", *where).exit_code == 4
     restricted = " ".join(call("run", "scripted", "--courant", "0.25", *where).output.split())
     assert "2 INCONCLUSIVE, 2 PASS." in restricted, "one for what is new, one for all that was left out"
-    assert "(3 of 3 series in all)" in restricted
+    assert "(3 of 3 series in all): the run was restricted to Courant number 0.25: run the whole study" in restricted
+    stored = json.loads((tmp_path / "r" / "verdicts.json").read_text())["studies"]["scripted"]["findings"]
+    assert "(3 of 3 series in all)" in stored[-1]["reason"]
+    body["errors"]["scripted"] = {"scripted-good": body["errors"]["scripted"]["scripted-good"]}
+    (tmp_path / "baseline.json").write_text(json.dumps(body))
+    assert "3 PASS." in call("run", "scripted", *where).output
+    assert "1 INCONCLUSIVE" not in call("gate", *where).output, "what is no longer lacking is no longer said"
 
 
 # What is shown.

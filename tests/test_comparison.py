@@ -14,13 +14,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmverify import cli, display
-from mpmverify.baseline import NOISE, RELATIVE
+from mpmverify.baseline import NOISE, RELATIVE, Baseline
 from mpmverify.change import Change, Direction, Kind
 from mpmverify.comparison import SECONDS, SLOWER, Comparison, compare
 from mpmverify.criteria import Balance, Order
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.tables import PROVENANCE, Run, SeriesKey, Tables, read_tables
 from mpmverify.dataset.tables import Order as Fitted
+from mpmverify.dataset.verdicts import accepted
 from mpmverify.errors import ResultsError
 from mpmverify.gate import Verdict
 from mpmverify.norms import NORMS
@@ -118,6 +119,16 @@ def test_each_kind_of_change_is_seen_counted_and_has_its_direction_both_ways(tmp
     assert listed(back) == mirrored(there)
     assert there.exit_status == any(direction in ("worse", "lost") for direction, _ in expected)
     assert compare(a, a).changes == compare(b, b).changes == ()
+
+
+def test_what_the_baseline_has_and_was_not_run_is_lost_and_no_worse(tmp_path):
+    whole, known = study(Worked(), FINISHED), Baseline(tmp_path / "baseline.json")
+    stored(tmp_path, whole)
+    accepted(known, Results(tmp_path).studies(), "the first")
+    known.write()
+    a = stored(tmp_path / "a", whole, baseline=known)
+    b = stored(tmp_path / "b", whole.restricted((Worked().name,)), baseline=known)
+    assert counts(compare(a, b)) == {("lost", "solver"): 1}
 
 
 def test_a_change_says_where_it_is_and_how_large(tmp_path):

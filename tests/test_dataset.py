@@ -33,12 +33,24 @@ from mpmverify.criteria import (
 )
 from mpmverify.dataset.files import Results, check_ours
 from mpmverify.dataset.runs import read_run, write_run
+from mpmverify.dataset.statement import statement
 from mpmverify.dataset.study import build, read_study, solvers, write_study
 from mpmverify.dataset.tree import write_tree
 from mpmverify.dataset.verdicts import accepted, criteria, findings, judged, read_findings, with_criteria
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
-from mpmverify.problem import UNITS, Discretisation
+from mpmverify.problem import (
+    UNITS,
+    Absorbing,
+    Constant,
+    Discretisation,
+    Inflow,
+    NeoHookean,
+    Problem,
+    Traction,
+    Transport,
+    Velocity,
+)
 from mpmverify.runner import run
 from mpmverify.solution import Outcome, Status, Work
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
@@ -410,6 +422,57 @@ def test_judging_a_stored_study_reproduces_its_findings(stored, path):
     again = judged(tree, plan(stored[0]).baseline)
     assert findings(again) == known
     xr.testing.assert_identical(again, read_study(path))
+
+
+def test_a_restricted_run_says_to_what_and_what_it_lacks_of_the_baseline(tmp_path):
+    whole, known = study(Scripted("good"), TaylorGalerkin(), name="whole"), Baseline(tmp_path / "baseline.json")
+    list(run([whole], plan(tmp_path)))
+    accepted(known, [tmp_path / "whole.nc"], "the first")
+    known.write()
+    kept, other = whole.solver_names()
+    (entry,) = run([whole.restricted((kept,))], plan(tmp_path / "part", baseline=known))
+    path = tmp_path / "part" / "whole.nc"
+    tree = read_study(path)
+    assert tree.attrs["restricted_to"] == kept
+    assert entry.findings[-1].solver == other
+    assert entry.findings[-1].reason.endswith(f"the run was restricted to {kept}: run the whole study")
+    assert tuple(findings(tree)) == tuple(read_findings(path, known)) == entry.findings
+    assert read_findings(path, Baseline(tmp_path / "none"))[-1].solver == kept
+    del tree.attrs["restricted_to"], tree.attrs["lacking"]
+    assert {f.solver for f in findings(tree)} == {kept}, "a file from before says nothing"
+
+
+@dataclasses.dataclass(frozen=True)
+class Swell:
+    """A load of somebody's own."""
+
+    largest_load: float = 1e7
+    shift: float = -0.0
+    periods: int = 3
+
+
+class Opaque:
+    """Any callable that keeps the protocol, and no dataclass."""
+
+
+def test_a_problem_is_stated_in_a_few_words():
+    faces = {"x+": Traction(Swell()), "x-": Velocity(Constant(-0.0)), "y+": Traction(Constant(2e-6)), "y-": Absorbing()}
+    box = Problem("p", (0.0, -1.0), (2.0, 1.5), NeoHookean(1e7, 1000.0, 0.3), faces, end_time=0.02)
+    assert statement(box) == {
+        "domain": "[0, 2] m x [-1, 1.5] m",
+        "material": "neo-Hookean, E = 1e+07 Pa, ρ = 1000 kg/m³, ν = 0.3",
+        "wave speed": "116.024 m/s",
+        "final time": "0.02 s",
+        "face x-": "velocity 0 m/s",
+        "face x+": "traction [Pa]: swell, largest load = 1e+07, shift = 0, periods = 3",
+        "face y-": "absorbing",
+        "face y+": "traction 2e-06 Pa",
+    }
+    assert list(statement(box))[4:] == ["face x-", "face x+", "face y-", "face y+"]
+    faces = {"x-": Inflow(Constant(1.0)), "x+": Inflow(Opaque())}
+    carried = statement(Problem("p", (0.0,), (1.0,), Transport(-1.0), faces, end_time=1.0))
+    assert carried["material"] == "transport, a = -1 m/s"
+    assert (carried["face x-"], carried["face x+"]) == ("inflow 1", "inflow: opaque")
 
 
 def test_every_series_is_judged_by_its_criteria_and_the_baseline(stored):

@@ -35,7 +35,7 @@ from mpmverify.exact.amplification import two_step_taylor_galerkin
 from mpmverify.gate import Evidence, Finding, Setting, Verdict, exit_status, judge, worst
 from mpmverify.norms import NORMS
 from mpmverify.problem import Discretisation, LinearElastic, Periodic, Problem, Traction, Transport
-from mpmverify.solution import Solution, Work
+from mpmverify.solution import Outcome, Solution, Status, Work
 
 LIGHT = settings(max_examples=25)
 H = 0.5 ** np.arange(3.0, 8.0)
@@ -466,6 +466,35 @@ def test_a_failed_run_of_a_design_is_named_by_more_than_its_cell_size():
     outcomes = ("completed",) * 15 + ("unstable",)
     assert judge(SEPARATED, over_design(DESIGN_H, outcomes=outcomes)) == (ERROR, "h=0.015625 nu_C=0.5 ppc=1: unstable")
     assert judge(ORDER, series(3 * H, outcomes=("completed",) * 4 + ("unstable",))) == (ERROR, "h=0.0078125: unstable")
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "reason"),
+    [
+        (["crashed; X"] * 5, "every level: crashed; X"),
+        (["crashed; X"] * 4 + ["completed"], "h=0.125 to h=0.015625: crashed; X"),
+        (["crashed; X"] * 4 + ["timed out"], "h=0.125 to h=0.015625: crashed; X; h=0.0078125: timed out"),
+        (["X", "completed", "X", "X", "Y"], "h=0.125, h=0.03125 to h=0.015625: X; h=0.0078125: Y"),
+        (["completed", "X", "Y", "X", "completed"], "h=0.0625, h=0.015625: X; h=0.03125: Y"),
+        (
+            ["completed"] * 3 + [str(Outcome(Status.LEFT_GRID, f"at step {n}")) for n in (3, 5)],
+            "h=0.015625: left the grid; at step 3; h=0.0078125: left the grid; at step 5; "
+            "a particle left the background grid: enlarge the domain or lower the load",
+        ),
+    ],
+)
+def test_levels_that_came_to_the_same_end_share_one_sentence(outcomes, reason):
+    assert judge(ORDER, series(3 * H**2, outcomes=tuple(outcomes))) == (ERROR, reason)
+    assert judge(ORDER, series([1.0], [0.5], outcomes=("crashed; X",))) == (ERROR, "h=0.5: crashed; X")
+
+
+@LIGHT
+@given(st.lists(st.sampled_from(["completed", "crashed", "timed out"]), min_size=1, max_size=5))
+def test_a_reason_has_every_outcome_but_completion_once(outcomes):
+    seen = series(3 * H[: len(outcomes)] ** 2, H[: len(outcomes)], outcomes=tuple(outcomes))
+    assert bool(seen.incomplete) == (set(outcomes) != {"completed"})
+    for outcome in ("completed", "crashed", "timed out"):
+        assert seen.incomplete.count(outcome) == (outcome in outcomes and outcome != "completed")
 
 
 def test_a_dropped_level_is_named_by_the_size_that_is_refined():

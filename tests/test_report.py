@@ -4,9 +4,11 @@ import base64
 import dataclasses
 import json
 import math
+import re
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -24,15 +26,20 @@ from mpmverify.dataset.kill_table import Fate, PlantedFault, Rate, Rates, SelfTe
 from mpmverify.dataset.level import Level, Snapshots
 from mpmverify.dataset.selftest import write_selftest
 from mpmverify.dataset.study import build, write_study
+from mpmverify.dataset.tables import read_tables
 from mpmverify.dataset.verdicts import declare, findings, judged
 from mpmverify.errors import ResultsError
 from mpmverify.exact import ExactSolution, VerificationProblem
+from mpmverify.gate import Evidence
 from mpmverify.problem import Discretisation, Periodic, Problem, Transport
 from mpmverify.reports import charts, render
 from mpmverify.reports.equations import mathml
-from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs
+from mpmverify.reports.notation import DASH, cell_size, interval, number, plain, slugs
 from mpmverify.reports.pages import IndexPage, StudyPage, TrustPage
+from mpmverify.reports.record import Profile
 from mpmverify.reports.site import TEMPLATES, environment
+from mpmverify.reports.thumbnails import HEIGHT, MARGIN, Thumbnail, thumbnail
+from mpmverify.reports.trust_page import trust_page
 from mpmverify.study import Case, Refinement, Series, Study
 
 HOSTILE = "<script>alert('x')</script> \"quoted\" & 'single'"
@@ -68,7 +75,7 @@ def level(case: str, solver: str, label: str, h: float) -> Level:
     identity = (case, solver, label, h, 0.5, 1, f"{solver}-{round(1 / h)}")
     if solver == "crashed":
         return Level(*identity, outcome=f"crashed; {HOSTILE}")
-    error = {"good": h**2, "bad": math.nan if h < 1 / 100 else h}[solver]
+    error = (math.nan if h < 1 / 100 else h) if solver == "bad" else h**2
     norms = np.full(4, error), np.ones(4)
     mode = {"phase_angle_u": 2 * h, "relative_frequency_u": 1 - error, "theoretical_frequency_u": 1 - h**2}
     metrics = {"mass_defect": 1e-16} | (mode if solver == "good" else {})
@@ -87,7 +94,13 @@ def shot(case: str, solver: str, label: str) -> Snapshots:
     )
 
 
-def store(results: Results, declared: Study) -> list:
+EVIDENCE = Evidence(
+    *(np.array([value]) for value in (0.5, 0.25, 0.5, 1)), ("completed",), {"u": np.ones((1, 4))}, {"u": np.ones((1, 4))}
+)
+NONE = Baseline(Path("none"))
+
+
+def store(results: Results, declared: Study, known: Baseline = NONE) -> list:
     """Write a study as a run would, and return its findings."""
     table, shots = [], {}
     for case, series in declared.series():
@@ -95,7 +108,7 @@ def store(results: Results, declared: Study) -> list:
         table += [level(*where, h) for h in SIZES]
         if series.solver.name != "crashed":
             shots[where] = shot(*where)
-    tree = judged(declare(build(declared, "quick", "inputs", table, shots), declared), Baseline(Path("none")))
+    tree = judged(declare(build(declared, "quick", "inputs", table, shots), declared), known)
     results.create()
     write_study(results.study(declared.name), tree)
     return findings(tree)
@@ -258,6 +271,80 @@ def test_every_verdict_is_shown_with_its_reason_and_source(stored: tuple[Results
     assert any(HOSTILE in finding.reason for finding in table)
 
 
+def test_a_run_that_did_not_complete_is_told_once_for_all_criteria_of_its_series(stored: tuple[Results, list]) -> None:
+    results, table = stored
+    crashed = [finding for finding in table if finding.solver == "crashed"]
+    (reason,) = {finding.reason for finding in crashed}
+    by_gate = Counter(finding.gate for finding in crashed)
+    assert by_gate["verification"] > 1
+    for name in ("index.html", "sample.html"):
+        page = pages(results)[name]
+        assert page.cells.count(reason) == len(by_gate), name
+        criteria = [cell for cell in page.cells if all(f.criterion in cell for f in crashed if f.gate == "verification")]
+        assert criteria, name
+
+
+def test_what_the_baseline_has_and_was_not_run_is_shown_with_what_the_run_was_restricted_to(tmp_path: Path) -> None:
+    whole, known = study(solvers=("good", "also good")), Baseline(tmp_path / "none")
+    for solver in whole.solver_names():
+        known.updated("sample", solver, "hill & dale", "ladder", EVIDENCE)
+    results = Results(tmp_path)
+    *_, lacking = store(results, whole.restricted(("good",)), known)
+    render(results)
+    assert lacking.reason in (text := " ".join(pages(results)["sample.html"].text))
+    assert "restricted to good" in text
+    assert "lacking" in pages(results)["sample.html"].ids
+    index = pages(results)["index.html"]
+    assert index.links.count("sample.html#lacking") == 2, "at the top, and among what did not pass"
+    assert index.cells.count("also good") == 1, "among what did not pass: a solver that was not run has no row in the matrix"
+
+
+def test_a_copy_of_a_study_that_lacks_series_links_to_its_own_page(tmp_path: Path) -> None:
+    known = Baseline(tmp_path / "none")
+    known.updated("sample", "good", "a case that is gone", "ladder", EVIDENCE)
+    results = Results(tmp_path)
+    store(results, study(solvers=("good",)), known)
+    results.study("sample").rename(results.study("copy"))
+    render(results)
+    assert set(pages(results)) == {"index.html", "copy.html"}
+    assert "copy.html#lacking" in pages(results)["index.html"].links
+    assert "sample.html#lacking" not in pages(results)["index.html"].links
+    cells = [cell for page in pages(results).values() for cell in page.cells if "INCONCLUSIVE" in cell and "/" in cell]
+    assert [cell.split()[-1] for cell in cells] == ["1/1", "1/1"], "what was not run is in no cell of a matrix"
+
+
+def test_what_follows_a_mode_alone_has_its_chooser_and_no_convergence(tmp_path: Path) -> None:
+    criteria = (Balance("mass", "inflow", "conservation form"),)
+    results = Results(tmp_path)
+    declared = study(solvers=("good",))
+    case = declared.cases[0]
+    series = tuple(dataclasses.replace(entry, criteria=criteria) for entry in case.series)
+    store(results, dataclasses.replace(declared, cases=(dataclasses.replace(case, series=series),)))
+    store(results, study("judged", ("good",)))
+    render(results)
+    for name, charts_shown in (("sample", ["dispersion"]), ("judged", ["convergence", "dispersion"])):
+        text = (results.report / f"{name}.html").read_text(encoding="utf-8")
+        assert [kind for kind in ("convergence", "dispersion") if f'data-chart="{kind}"' in text] == charts_shown
+        assert text.count('<fieldset class="curves">') == 1, "the curves are chosen in one place"
+        assert text.index('<fieldset class="curves">') > text.index(f'data-chart="{charts_shown[0]}"')
+        assert ("below it the observed order" in text) == ("convergence" in charts_shown)
+        assert ('class="order"' in text) == ("convergence" in charts_shown)
+
+
+def test_a_series_that_did_not_pass_is_drawn_at_first_and_marked_among_the_curves(tmp_path: Path) -> None:
+    results = Results(tmp_path)
+    store(results, study(solvers=("first", "bad", *(f"good {k}" for k in range(10)))))
+    render(results)
+    text = (results.report / "sample.html").read_text(encoding="utf-8")
+    boxes = dict(re.findall(r'<input type="checkbox" data-series="(\d+)" data-default="(\d)"', text))
+    assert len(boxes) == 12
+    assert boxes["1"] == "1"
+    assert list(boxes.values()).count("1") == 7, "beside the six that are drawn of any case"
+    chooser = text[text.index('<fieldset class="curves">') : text.index("</fieldset>")]
+    assert chooser.count('class="dot error"') == chooser.count('class="dot') == 1
+    assert len(re.findall(r'<td class="key"><span class="dot error">', text)) == 4, "in the table of every norm"
+
+
 def test_nothing_from_a_file_becomes_markup(stored: tuple[Results, list]) -> None:
     for path in stored[0].report.glob("*.html"):
         assert "<script>" not in path.read_text(encoding="utf-8"), path.name
@@ -326,6 +413,16 @@ def test_every_planted_fault_and_every_false_alarm_is_shown(stored: tuple[Result
     assert SELF_TEST.alarms[0].reason in shown
     assert "6 of 8" in shown
     assert "How far to trust this" in " ".join(pages(stored[0])["index.html"].text)
+
+
+def test_a_survivor_that_is_explained_is_no_failure() -> None:
+    survivors = [fault for fault in FAULTS if fault.fate is Fate.SURVIVED]
+    explained = tuple(dataclasses.replace(fault, explanation="it is too small") for fault in survivors)
+    for faults, kind in ((tuple(survivors), "fail"), (explained, "inconclusive")):
+        page = trust_page(dataclasses.replace(SELF_TEST, faults=faults), "selftest", (), (), "generator")
+        assert {row.mark.kind for row in page.survivors} == {kind}
+        assert all(row.mark.text.startswith("survived") for row in page.survivors)
+    assert all(row.reason == "it is too small" for row in page.survivors)
 
 
 def test_the_page_of_a_self_test_comes_and_goes_with_its_file(fresh: Results) -> None:
@@ -410,6 +507,18 @@ def test_a_foreign_file_is_named_and_nothing_is_written(fresh: Results, kind: st
     assert not fresh.report.exists()
 
 
+@pytest.mark.parametrize(
+    "text", ["{", "[]", "3", '{"verdict": "PASS"}', '{"verdict": "MAYBE"}', '{"verdict": "PASS", "who": "me"}']
+)
+def test_a_damaged_verdict_on_what_is_lacking_is_named(fresh: Results, text: str) -> None:
+    with netCDF4.Dataset(fresh.study("sample"), "a") as file:
+        file.setncattr("lacking", text)
+    with pytest.raises(ResultsError, match=r"sample\.nc' is damaged"):
+        render(fresh)
+    with pytest.raises(ResultsError, match=r"sample\.nc' is damaged"):
+        read_tables([fresh.study("sample")])
+
+
 def test_a_page_that_is_not_ours_is_not_overwritten(fresh: Results) -> None:
     page = fresh.report / "sample.html"
     page.parent.mkdir()
@@ -436,6 +545,11 @@ def test_numbers_read_back_to_three_digits(size: float, negative: bool) -> None:
     assert float(back) == pytest.approx(value, rel=0.006)
 
 
+def test_numbers_in_a_text_become_those_of_people() -> None:
+    assert plain("E = 1e+07 Pa, a = -2.5e-06 m/s on [-1, 2] m") == "E = 1×10⁷ Pa, a = −2.5×10⁻⁶ m/s on [−1, 2] m"
+    assert plain("neo-Hookean, mass-1e5, 3e, x1e5") == "neo-Hookean, mass-1e5, 3e, x1e5"
+
+
 def test_notation() -> None:
     assert number(0.0) == "0"
     assert number(math.nan) == number(math.inf) == interval(1.0, math.inf) == DASH
@@ -453,6 +567,35 @@ def test_packed_values_unpack_to_within_half_a_step(values: list[float]) -> None
     back = np.where(steps == -32768, np.nan, field["low"] + (steps + 32767) * field["scale"])
     expected = np.where(np.isfinite(values), values, np.nan)
     np.testing.assert_allclose(back, expected, rtol=1e-12, atol=0.51 * field["scale"])
+
+
+def heights(path: str) -> np.ndarray:
+    return np.array([float(place.split()[1]) for place in path.removeprefix("M").split("L")])
+
+
+def drawn(numerical: Callable[[np.ndarray], np.ndarray], final: float = 1.0) -> Thumbnail:
+    """Thumbnail of sin(pi x) in time, which ends at a height."""
+    x, time = np.linspace(0, 1, 50), np.linspace(0, 1, 9)
+    exact = np.append(np.linspace(-1, 1, 8), final)[:, None] * np.sin(np.pi * x)
+    fields = np.vstack([exact[:-1], numerical(exact[-1])])
+    found = thumbnail(Profile(0.1, time, x, {"u": fields}, {"u": exact}, {"u": "m"}), "u")
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("final", [1.0, 0.3, 1e-17, 0.0])
+def test_a_thumbnail_shows_an_error_by_its_share_of_the_field_whatever_is_left_of_it(final: float) -> None:
+    for error in (0.0, 1e-3, 0.3):
+        small = drawn(lambda exact, error=error: exact + error, final)
+        apart = np.abs(heights(small.exact) - heights(small.numerical)).max() / (HEIGHT - 2 * MARGIN)
+        assert apart == pytest.approx(error / 2.3 if error > 0.1 and final == 1 else error / 2, abs=4e-3)
+
+
+def test_a_wild_profile_leaves_the_exact_one_visible() -> None:
+    for wild in (1e9, -1e9, math.nan):
+        figure = drawn(lambda exact, wild=wild: exact + wild)
+        assert np.ptp(heights(figure.exact)) > 0.25 * HEIGHT
+        assert bool(figure.numerical) == math.isfinite(wild)
 
 
 @pytest.mark.parametrize("latex", [r"\frac{", r"\text{<script>1</script>}", r"\text{<a href='x'>y</a>}", ""])

@@ -411,10 +411,15 @@ def test_a_restricted_study_has_the_named_solvers_and_one_courant_number():
             Case("step", advection(Step()), (Series(Scripted("nan"), ladder(), ()),), "u"),
         ),
     )  # fmt: skip
-    assert declared.restricted().cases == declared.cases
+    assert declared.restricted() == declared
+    assert declared.restricted(declared.solver_names()) == declared, "all of it is no part"
     alone = declared.restricted(("scripted-nan",))
     assert alone.solver_names() == ("scripted-nan",)
     assert [case.name for case in alone.cases] == ["step"]
+    assert alone.restricted_to == "scripted-nan"
+    assert alone.restricted(courant=0.125).restricted_to == "Courant number 0.125"
+    assert declared.restricted(("scripted-nan",), 0.125).restricted_to == "scripted-nan; Courant number 0.125"
+    assert alone.restricted(("scripted-nan",)) == alone
     slow = declared.restricted(courant=0.125)
     assert {level.courant for _, series in slow.series() for level in series.refinement.levels} == {0.125}
     assert [len(case.series) for case in slow.cases] == [1, 1], "ladders that become equal are run once"

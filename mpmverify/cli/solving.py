@@ -94,7 +94,6 @@ def run(
         for judged in run_studies(chosen, plan, progress.update):
             findings += judged.findings
             solved, reused = solved + judged.solved, reused + judged.reused
-    findings += plan.baseline.lacking(findings)
     findings.sort(key=lambda finding: names.index(finding.study))
     page = render(plan.results)
     show(findings, explain=explain)

@@ -22,12 +22,13 @@ from mpmverify.dataset import provenance
 from mpmverify.dataset.files import check_ours
 from mpmverify.dataset.level import Level, SeriesId, Snapshots
 from mpmverify.dataset.runs import history_units
+from mpmverify.dataset.statement import statement
 from mpmverify.dataset.tree import write_tree
 from mpmverify.errors import ResultsError
 from mpmverify.gate import Evidence
 from mpmverify.norms import NORMS
 from mpmverify.problem import UNITS, Array
-from mpmverify.study import Case, Study
+from mpmverify.study import Study
 
 
 def build(
@@ -72,24 +73,20 @@ def _root(study: Study, tier: str, inputs: str, seeds: Sequence[int]) -> xr.Data
             "exposes": each(lambda case: case.problem.exposes),
             "citation": each(lambda case: case.problem.exact.citation),
             "equations": each(lambda case: json.dumps(case.problem.equations)),
-            "setup": each(lambda case: json.dumps(_setup(case))),
+            "setup": each(lambda case: json.dumps(statement(case.problem.problem), ensure_ascii=False)),
             "shown": each(lambda case: case.shown),
         },
         # Not "case", which the solvers' groups have by level: a group inherits the dimensions of its parent.
         coords={"study_case": each(lambda case: case.name)},
         attrs=provenance.attributes("study", study.title, study.summary)
-        | {"id": study.name, "tier": tier, "inputs": inputs, "seeds": ", ".join(map(str, seeds)) or "none: no run is random"},
+        | {
+            "id": study.name,
+            "tier": tier,
+            "restricted_to": study.restricted_to,
+            "inputs": inputs,
+            "seeds": ", ".join(map(str, seeds)) or "none: no run is random",
+        },
     )
-
-
-def _setup(case: Case) -> dict[str, str]:
-    problem = case.problem.problem
-    return {
-        "domain": " x ".join(f"[{lo:g}, {hi:g}] m" for lo, hi in zip(problem.lower, problem.upper, strict=True)),
-        "material": _describe(problem.material),
-        "wave speed": f"{problem.material.wave_speed:g} m/s",
-        "final time": f"{problem.end_time:g} s",
-    } | {f"face {face}": _describe(condition) for face, condition in problem.boundary.items()}
 
 
 def _levels(levels: Sequence[Level]) -> xr.Dataset:

@@ -119,7 +119,10 @@ def _tables(tree: xr.DataTree) -> Tables:
                 if np.isfinite(order):
                     orders[series, name] = Order(order, low, high, frozenset(ladder))
     verdicts: dict[tuple[SeriesKey, str], Verdict] = {}
+    known = {series for series, _ in runs}
     for f in findings(tree):
         judged = SeriesKey(study, f.case, f.solver, f.refinement), f"{f.gate}: {f.criterion}"
+        if judged[0] not in known:  # what was not run is lost, and no worse
+            continue
         verdicts[judged] = worst((f.verdict, verdicts.get(judged, f.verdict)))
     return Tables({study: {name: str(tree.attrs[name]) for name in PROVENANCE}}, runs, errors, orders, verdicts)

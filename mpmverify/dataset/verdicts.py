@@ -2,7 +2,7 @@
 
 import dataclasses
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from mpmverify.criteria import CRITERIA, Stall, Unstable
 from mpmverify.dataset.sources import with_sources
 from mpmverify.dataset.study import evidence, read_study, series_of, solvers, text
 from mpmverify.errors import MpmverifyError, ResultsError, UsageError
-from mpmverify.gate import Criterion, Finding, Verdict, judge
+from mpmverify.gate import Criterion, Finding, judge
 from mpmverify.norms import NORMS
 from mpmverify.study import Study
 
@@ -37,6 +37,7 @@ def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
         If a criterion is stored of a series that is not: it would hold of nothing, unseen.
     """
     study = tree.attrs["id"]
+    run = []
     for solver, dataset in solvers(tree):
         table = []
         declared = criteria(dataset)
@@ -47,6 +48,7 @@ def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
                     f"{criterion.title!r} is to hold of {study}/{case}/{solver} ({refinement}), which is not there: run it again"
                 )
         for (case, refinement), levels in series.items():
+            run.append((case, solver, refinement))
             seen = evidence(dataset, levels)
             mine = [entry for of_case, of_refinement, entry in declared if (of_case, of_refinement) == (case, refinement)]
             judgements = [("verification", criterion.title, judge(criterion, seen), criterion.source) for criterion in mine]
@@ -56,6 +58,8 @@ def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
             for gate, title, (verdict, reason), source in judgements:
                 table.append(Finding(study, case, solver, refinement, gate, title, verdict, reason, source))
         tree[solver].dataset = with_verdicts(with_sources(with_fits(dataset), declared), table)
+    absent = baseline.lacking(study, run, str(tree.attrs.get("restricted_to", "")))
+    tree.attrs[LACKING] = json.dumps(dataclasses.asdict(absent)) if absent else ""
     return tree
 
 
@@ -127,6 +131,8 @@ def with_fits(dataset: xr.Dataset) -> xr.Dataset:
     )
 
 
+LACKING = "lacking"
+"""Attribute of a study: the verdict on what it lacks of the baseline, as JSON."""
 VERDICT_COLUMNS = ("case", "refinement", "gate", "criterion", "verdict", "reason", "source")
 
 
@@ -139,15 +145,19 @@ def with_verdicts(dataset: xr.Dataset, findings: Sequence[Finding]) -> xr.Datase
 
 
 def findings(tree: xr.DataTree) -> list[Finding]:
-    """Verdicts that are stored in a study's tree."""
-    table = []
+    """Verdicts that are stored in a study's tree: those of its series, and one when the baseline holds series that it lacks."""
+    table: list[Finding] = []
     for solver, dataset in solvers(tree):
         columns = [dataset[f"verdict_{name}"].values.tolist() for name in VERDICT_COLUMNS]
-        for row in zip(*columns, strict=True):
-            values = dict(zip(VERDICT_COLUMNS, row, strict=True))
-            verdict = Verdict(values.pop("verdict"))
-            table.append(Finding(study=tree.attrs["id"], solver=solver, verdict=verdict, **values))
-    return table
+        where = {"study": tree.attrs["id"], "solver": solver}
+        table += [Finding.of(where | dict(zip(VERDICT_COLUMNS, row, strict=True))) for row in zip(*columns, strict=True)]
+    return table + lacking(tree.attrs)
+
+
+def lacking(attributes: Mapping[Any, Any]) -> list[Finding]:
+    """Verdict on what a study lacks, by the attributes of its tree; none where it lacks nothing."""
+    stored = attributes.get(LACKING)
+    return [Finding.of(json.loads(stored))] if stored else []
 
 
 def with_criteria(dataset: xr.Dataset, declared: Sequence[tuple[str, str, Criterion]]) -> xr.Dataset:
