@@ -225,9 +225,10 @@ def verify(request: pytest.FixtureRequest) -> "Callable[..., tuple[Finding, ...]
     """Put a solver of your own on a study: verify(MySolver(), study="elastic-bar", case="pulse").
 
     The solver is any object with `name`, `orders`, `conserves` and `solve(problem, discretisation) -> Solution`. Its declared orders,
-    limited by the smoothness of the exact solution, and what it declares to conserve must hold on the first ladder of the case;
-    `refinement` and `criteria` replace these. All but PASS is an AssertionError with the sentence of every criterion that does not hold;
-    where nothing can be judged, a UsageError says why. With `timeout` (seconds a run) the runs are solved in a worker process.
+    limited by the smoothness of the exact solution, and what it declares to conserve must hold on the first ladder of the case in h
+    at one Courant number; `refinement` and `criteria` replace these. All but PASS is an AssertionError with the sentence of every
+    criterion that does not hold; where nothing can be judged, a UsageError says why. With `timeout` (seconds a run) the runs are
+    solved in a worker process.
     """
     tier = request.config.getoption("mpmverify_tier")
 

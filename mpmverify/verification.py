@@ -161,7 +161,8 @@ def verify(
     case : str
         May be left out where the study has one case.
     refinement : Refinement, optional
-        By default the first ladder of the case.
+        By default the first ladder of the case; where `criteria` is absent, the first in h at one Courant number, for such is
+        the ladder of which a solver declares its orders.
     criteria : sequence of Criterion, optional
         By default what follows from the solver's declarations; see `expectations`.
     tier : str
@@ -179,7 +180,7 @@ def verify(
     ------
     UsageError
         If nothing could be judged: the solver lacks a part of the protocol or cannot take the problem, the case is unknown, no
-        criterion is given or follows from what it declares.
+        criterion is given or follows from what it declares, or no ladder shows the orders that it declares.
     """
     if isinstance(solver, type):
         raise UsageError(f"{solver.__name__} is a class and no solver: give an instance of it")
@@ -187,8 +188,9 @@ def verify(
     if missing:
         raise UsageError(f"{type(solver).__name__} is no solver: it lacks {', '.join(missing)}")
     chosen = _case(study, case)
-    refinement = chosen.series[0].refinement if refinement is None else refinement
     demanded = expectations(solver, chosen.problem) if criteria is None else tuple(criteria)
+    ladders = [series.refinement for series in chosen.series] if refinement is None else [refinement]
+    refinement = _in_h(chosen, ladders) if criteria is None else ladders[0]
     if not demanded:
         raise UsageError(f"no criterion is given for solver {solver.name!r} on {chosen.problem.problem.name!r}: give one")
     with tempfile.TemporaryDirectory(prefix="mpmverify-") as folder:
@@ -226,6 +228,17 @@ def _case(study: Study, name: str) -> Case:
         which = f"has no case {name!r}" if name else "has several cases"
         raise UsageError(f"study {study.name!r} {which}: choose from {', '.join(cases)}")
     return cases[name]
+
+
+def _in_h(case: Case, ladders: Sequence[Refinement]) -> Refinement:
+    """First of some ladders in h whose dt is proportional to h: others show other orders than a solver declares."""
+    for ladder in ladders:
+        if len({(level.courant, level.ppc) for level in ladder.levels}) == 1:
+            return ladder
+    raise UsageError(
+        f"{ladders[0].label!r} on case {case.name!r} is no ladder in h at one Courant number, of which a solver declares its "
+        "orders: give such a one by refinement=, or criteria= for this one"
+    )
 
 
 def _levels(tasks: Sequence[Task], timeout: float | None) -> list[Level]:

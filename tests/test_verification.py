@@ -17,6 +17,8 @@ from mpmverify.exact.advection import Gaussian, Inflow, advection
 from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic_bar
 from mpmverify.gate import Verdict
 from mpmverify.problem import Constant, Outflow
+from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.study import design, halving, in_time
 from mpmverify.verification import MARGIN, evidence_of, expectations, order_band, verify
 
 HILL = study()
@@ -258,6 +260,27 @@ def test_where_nothing_can_be_judged_a_sentence_says_why(solver, choices, senten
 def test_a_study_of_several_cases_wants_to_know_which():
     with pytest.raises(UsageError, match="study 'elastic-bar' has several cases: choose from step, ramp, pulse"):
         verify(Scripted(), studies.get("elastic-bar"))
+
+
+@pytest.mark.parametrize(
+    "refinement",
+    [in_time(1.0, 8, quick=3, full=3, courant=0.5), halving(1.0, 8, quick=3, full=3, courant=0.5, courant_power=1)],
+)
+def test_declared_orders_are_looked_for_on_a_ladder_in_h_at_one_courant_number_alone(refinement):
+    """On any other a scheme of another order could pass, or the right one fail."""
+    with pytest.raises(UsageError, match=r"is no ladder in h at one Courant number, .* give such a one by refinement="):
+        verify(Plain(), HILL, refinement=refinement)
+    given = verify(Plain(), HILL, refinement=refinement, criteria=[Order("u", "L2", 1.85, 2.15, "ours")])
+    assert [finding.refinement for finding in given] == [refinement.label]
+
+
+def test_a_design_shows_no_declared_order_and_the_first_ladder_in_h_is_taken():
+    with pytest.raises(UsageError, match="'3 h x 4 dt' on case 'h-and-dt' is no ladder in h"):
+        verify(MaterialPoint(), studies.get("error-sources"), "h-and-dt")
+    (case,) = HILL.cases
+    both = (replace(case.series[0], refinement=design(1.0, cells=(8, 16), courant=(0.5, 0.25))), *case.series)
+    found = verify(Plain(), replace(HILL, cases=(replace(case, series=both),)))
+    assert [(finding.refinement, finding.verdict) for finding in found] == [(ladder().label, Verdict.PASS)]
 
 
 def test_a_run_that_hangs_or_kills_its_process_is_an_error_under_a_time_limit():
