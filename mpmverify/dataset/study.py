@@ -235,24 +235,39 @@ def series_of(dataset: xr.Dataset) -> dict[tuple[str, str], np.ndarray]:
 
 
 def evidence(dataset: xr.Dataset, levels: np.ndarray) -> Evidence:
-    """Evidence of one series of a solver's dataset; quantities and metrics that were not measured on it are absent."""
+    """Evidence of one series of a solver's dataset; quantities and metrics that were not measured on it are absent.
+
+    Raises
+    ------
+    LookupError, ValueError
+        If the dataset lacks a column, or one does not hold what a judge may take for granted.
+    """
     part = dataset.isel(level=levels)
-    size = {quantity: part[f"exact_norm_{quantity}"].values for quantity in part["quantity"].values.tolist()}
+
+    def numbers(name: str, *shape: int) -> Array:
+        values: Array = part[name].values
+        if values.dtype.kind not in "fiu" or values.shape != (len(levels), *shape):
+            raise ValueError(f"{name} is of type {values.dtype} and shape {values.shape}")
+        return values
+
+    sizes = {name: numbers(name) for name in ("h", "dt", "courant", "ppc")}
+    # The time step of a run that never began is not known.
+    if not all(
+        np.all((values > 0) & (values < np.inf) | (np.isnan(values) & (name == "dt"))) for name, values in sizes.items()
+    ):
+        raise ValueError("a level has no size")
+    size = {quantity: numbers(f"exact_norm_{quantity}", len(NORMS)) for quantity in part["quantity"].values.tolist()}
     size = {quantity: values for quantity, values in size.items() if np.isfinite(values).all()}
-    metric = part["metric"].values
+    names = part["metric_name"].values.tolist()
+    metric = numbers("metric", len(names))
     return Evidence(
-        h=part["h"].values,
-        dt=part["dt"].values,
-        courant=part["courant"].values,
-        ppc=part["ppc"].values,
-        jitter=part["jitter"].values,
-        seed=part["seed"].values,
+        **sizes,
+        jitter=numbers("jitter"),
+        seed=numbers("seed"),
         outcomes=tuple(part["outcome"].values.tolist()),
-        error={quantity: part[f"error_absolute_{quantity}"].values for quantity in size},
+        error={quantity: numbers(f"error_absolute_{quantity}", len(NORMS)) for quantity in size},
         reference=size,
-        metrics={
-            str(name): metric[:, k] for k, name in enumerate(part["metric_name"].values) if not np.isnan(metric[:, k]).all()
-        },
+        metrics={str(name): metric[:, k] for k, name in enumerate(names) if not np.isnan(metric[:, k]).all()},
     )
 
 
