@@ -20,6 +20,8 @@ from mpmverify.solution import Status
 STARTED = "started"
 START_UP = 120.0
 """Limit for a new process to import the solver [s]; it does not count as time of the run."""
+LONGEST_WAIT = 3600.0
+"""At one go [s]: systems refuse to wait for some weeks."""
 
 
 def processors() -> int:
@@ -61,7 +63,7 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
                     worker.start(waiting.popleft())
             busy = [worker for worker in workers if worker.task]
             pause = max(0.0, min(worker.deadline for worker in busy) - time.monotonic())
-            ready = wait([worker.connection for worker in busy], pause)
+            ready = wait([worker.connection for worker in busy], min(pause, LONGEST_WAIT))
             for worker in busy:
                 # Whoever takes the results may be slow: what has come in meanwhile is no time-out.
                 if worker.connection in ready or worker.connection.poll():

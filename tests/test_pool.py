@@ -97,6 +97,11 @@ def test_a_result_that_came_in_while_the_caller_was_busy_is_no_time_out(tmp_path
     assert outcomes == ["completed"] * 4
 
 
+def test_a_limit_beyond_what_the_system_can_wait_is_none(tmp_path):
+    ((_, evaluated),) = pool.over_processes(tasks_of(study(levels=1), plan(tmp_path)), 1, timeout=1e300)
+    assert evaluated.level.outcome == "completed"
+
+
 def test_an_abandoned_iteration_ends_the_workers(tmp_path):
     before = children()
     results = pool.over_processes(tasks_of(study(Scripted(), Scripted("hangs")), plan(tmp_path)), 1, timeout=60.0)
