@@ -137,13 +137,18 @@ class Studies(pytest.Collector):
 
 
 def _own_study(name: str) -> "Study":
+    from mpmverify.evaluation import place
     from mpmverify.study import Study
 
     module, _, attribute = name.partition(":")
     try:
         study = getattr(importlib.import_module(module), attribute)
     except (ImportError, AttributeError, ValueError) as error:
-        raise UsageError(f"the study {name!r} cannot be imported ({error}): give MODULE:NAME") from error
+        remedy = "give MODULE:NAME of a module that Python finds, as `python -m pytest` finds those of this folder"
+        raise UsageError(f"the study {name!r} cannot be imported ({error}): {remedy}") from error
+    except (Exception, SystemExit) as error:  # a module may raise anything
+        said = f"{type(error).__name__}: {error} ({place(error)})"
+        raise UsageError(f"the study {name!r} cannot be imported, {said}: mend its module") from error
     if not isinstance(study, Study):
         raise UsageError(f"{name!r} is of the type {type(study).__name__}: give the name of a Study")
     return study

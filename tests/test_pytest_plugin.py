@@ -44,6 +44,7 @@ def project(pytester, journal, monkeypatch):
     pytester.syspathinsert(TESTS)
     pytester.syspathinsert()
     pytester.makepyfile(own=OWN.format(journal=journal))
+    pytester.makepyfile(broken="1 / 0", leaving="raise SystemExit(3)")
     pytester.makepyfile("def test_of_their_own(): pass")
     monkeypatch.delitem(sys.modules, "own", raising=False)
     return pytester
@@ -122,6 +123,8 @@ def test_without_its_option_no_study_is_collected(project):
         (["nope"], "unknown study 'nope': choose from advection, elastic-bar, gehojerez-deck"),
         (["own:NOPE"], "the study 'own:NOPE' cannot be imported (module 'own' has no attribute 'NOPE'): give MODULE:NAME"),
         (["nowhere:STUDY"], "the study 'nowhere:STUDY' cannot be imported (No module named 'nowhere'): give MODULE:NAME"),
+        (["broken:STUDY"], "the study 'broken:STUDY' cannot be imported, ZeroDivisionError: * (broken.py:1): mend its module"),
+        (["leaving:STUDY"], "the study 'leaving:STUDY' cannot be imported, SystemExit: 3 (leaving.py:1): mend its module"),
         (["own:VAIN"], "the study 'own:VAIN' has no criterion: say what must hold of its series"),
         (["own:NUMBER"], "'own:NUMBER' is of the type int: give the name of a Study"),
         (["own:SHORT", "own:TWIN"], "'own:SHORT' and 'own:TWIN' are both named 'short': rename one"),
