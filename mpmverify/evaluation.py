@@ -78,7 +78,20 @@ class Evaluated:
 
 
 def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discretisation) -> str:
-    """Content key of a run: problem, solver, discretisation, their code and the numerical libraries."""
+    """Content key of a run: problem, solver, discretisation, their code and the numerical libraries.
+
+    Parameters
+    ----------
+    problem : VerificationProblem
+        Its exact solution is no content: a solver does not see it.
+    solver : Solver
+    discretisation : Discretisation
+
+    Raises
+    ------
+    UsageError
+        If one of them is no value; see `digest`.
+    """
     return digest(problem.problem, solver, discretisation)
 
 

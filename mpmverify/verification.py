@@ -63,6 +63,17 @@ def order_band(order: float, derivatives: float) -> tuple[float, float]:
 def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterion, ...]:
     """Criteria that follow from what a solver declares: its formal orders and what it conserves.
 
+    Parameters
+    ----------
+    solver : Solver
+    problem : VerificationProblem
+        Its exact solution says how smooth the fields are.
+
+    Returns
+    -------
+    tuple of Criterion
+        An `Order` for every declared quantity that the exact solution has, and a `Balance` for every invariant.
+
     Raises
     ------
     UsageError
@@ -126,7 +137,13 @@ def _sources(problem: VerificationProblem) -> dict[str, str]:
 
 
 def evidence_of(levels: Sequence[Level]) -> Evidence:
-    """Evidence of one series as it was measured; a quantity that a level lacks is absent, a metric that it lacks is NaN."""
+    """Evidence of one series as it was measured; a quantity that a level lacks is absent, a metric that it lacks is NaN.
+
+    Parameters
+    ----------
+    levels : sequence of Level
+        Of one solver, at least one.
+    """
     quantities = [quantity for quantity in levels[0].errors if all(quantity in level.errors for level in levels)]
     metrics = sorted({name for level in levels for name in level.metrics})
     return Evidence(

@@ -190,6 +190,12 @@ def damage(path: Path) -> Iterator[None]:
 def read_findings(path: Path, baseline: regression.Baseline) -> list[Finding]:
     """Read the file of a study and judge it anew.
 
+    Parameters
+    ----------
+    path : Path
+    baseline : Baseline
+        Of the regression gate.
+
     Raises
     ------
     ResultsError
@@ -206,6 +212,15 @@ def read_findings(path: Path, baseline: regression.Baseline) -> list[Finding]:
 
 def accepted(baseline: regression.Baseline, paths: Sequence[Path], reason: str) -> int:
     """Take the errors of the files of some studies over into a baseline, and return how many series that were.
+
+    Parameters
+    ----------
+    baseline : Baseline
+        Changed in memory alone.
+    paths : sequence of Path
+        Files of studies.
+    reason : str
+        Why the errors may change.
 
     Raises
     ------
