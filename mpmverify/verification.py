@@ -11,6 +11,7 @@ import numpy as np
 
 from mpmverify import pool
 from mpmverify.criteria import Balance, Order
+from mpmverify.criteria.metrics import Metrics
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.level import Level
 from mpmverify.errors import UsageError
@@ -154,7 +155,7 @@ def evidence_of(levels: Sequence[Level]) -> Evidence:
         outcomes=tuple(level.outcome for level in levels),
         error={quantity: np.array([level.errors[quantity][0] for level in levels]) for quantity in quantities},
         reference={quantity: np.array([level.errors[quantity][1] for level in levels]) for quantity in quantities},
-        metrics={name: np.array([level.metrics.get(name, np.nan) for level in levels]) for name in metrics},
+        metrics=Metrics({name: np.array([level.metrics.get(name, np.nan) for level in levels]) for name in metrics}),
     )
 
 

@@ -6,17 +6,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from faulty_solvers import MISDEEDS, Scripted, ladder, study, transported
+from faulty_solvers import MISDEEDS, Scripted, ladder, plan, study, transported
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mpmverify import studies
-from mpmverify.criteria import Balance, Exact, Order
+from mpmverify.criteria import Balance, EnergyConserved, EnergyDrift, Exact, Order
 from mpmverify.errors import UsageError
 from mpmverify.exact.advection import Gaussian, Inflow, advection
 from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic_bar
 from mpmverify.gate import Verdict
 from mpmverify.problem import Constant, Outflow
+from mpmverify.runner import run
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.study import design, halving, in_time
 from mpmverify.verification import MARGIN, evidence_of, expectations, order_band, verify
@@ -192,6 +193,20 @@ def test_a_quantity_or_a_history_that_is_not_returned_is_an_error():
             return replace(good, histories={"time": good.histories["time"]})
 
     assert verdicts(Forgetful())["mass conserved"] is Verdict.ERROR
+
+
+@pytest.mark.parametrize("criterion", [Balance("momentum", "impulse", "s"), EnergyDrift(1.8, "s"), EnergyConserved("s")])
+@pytest.mark.parametrize("stored", [False, True])
+def test_what_the_solver_does_not_return_is_named_and_not_only_what_is_made_of_it(criterion, stored, tmp_path):
+    needed = {"momentum", "impulse"} if isinstance(criterion, Balance) else {"kinetic_energy", "strain_energy", "external_work"}
+    if stored:
+        (judged,) = run([study(criteria=(criterion,))], plan(tmp_path))
+        finding = judged.findings[0]
+    else:
+        (finding,) = verify(Scripted(), HILL, criteria=[criterion])
+    assert finding.verdict is Verdict.ERROR
+    assert "was not measured on this series: the solver does not return it" in finding.reason
+    assert all(f"'{name}'" in finding.reason for name in needed)
 
 
 def test_a_solution_without_any_error_or_with_two_levels_proves_no_order():

@@ -11,8 +11,9 @@ import xarray as xr
 from mpmverify import baseline as regression
 from mpmverify.criteria import Stall
 from mpmverify.dataset.criteria import criteria, with_criteria
+from mpmverify.dataset.evidence import evidence, series_of
 from mpmverify.dataset.sources import with_sources
-from mpmverify.dataset.study import evidence, read_study, series_of, solvers, text
+from mpmverify.dataset.study import read_study, solvers, text
 from mpmverify.errors import MpmverifyError, ResultsError, UsageError
 from mpmverify.gate import Criterion, Evidence, Finding, Verdict, judge
 from mpmverify.norms import NORMS
