@@ -3,6 +3,7 @@
 Every session of pytest imports this module, so that it imports nothing but pytest until a study or the fixture is used.
 """
 
+import argparse
 import importlib
 import tempfile
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -44,10 +45,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def _jobs(text: str) -> int:
-    jobs = int(text)
-    if jobs < 1:
-        raise ValueError(f"{jobs} worker processes can solve nothing")
-    return jobs
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} worker processes can solve nothing: give a number from 1")
+    return int(text)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -189,10 +189,11 @@ class CriterionItem(pytest.Item):
         """Have the study solved; a run that erred is an error of the set-up, as nothing could be judged."""
         try:
             self.finding = self.bench.finding(self.identity)
+            failure = _explained(self.finding) if self.finding.verdict == "ERROR" else ""
         except MpmverifyError as error:
-            pytest.fail(str(error), pytrace=False)
-        if self.finding.verdict == "ERROR":
-            pytest.fail(_explained(self.finding), pytrace=False)
+            failure = str(error)
+        if failure:  # here, where pytest does not show what was handled above
+            pytest.fail(failure, pytrace=False)
 
     def runtest(self) -> None:
         if self.finding.verdict == "INCONCLUSIVE" and not self.config.getoption("mpmverify_strict"):

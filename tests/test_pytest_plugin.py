@@ -137,6 +137,13 @@ def test_a_study_that_is_not_there_is_one_sentence(project, names, sentence):
     assert "Traceback" not in result.stdout.str()
 
 
+@pytest.mark.parametrize("jobs", ["0", "-1", "two", "1.5"])
+def test_a_number_of_workers_that_is_none_is_one_sentence(project, jobs):
+    result = project.runpytest_inprocess(f"--mpmverify-jobs={jobs}", "--collect-only")
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    result.stderr.fnmatch_lines([f"*'{jobs}' worker processes can solve nothing: give a number from 1"])
+
+
 def test_without_a_cache_a_results_folder_is_asked_for_in_one_sentence(project):
     options = ("-p", "no:cacheprovider", "--collect-only", "-q", *studies_of("SHORT"))
     result = project.runpytest_inprocess(*options)
@@ -222,6 +229,7 @@ def test_a_results_folder_that_is_not_ours_is_one_sentence(project):
     outcomes(result, passed=1, errors=2)
     result.stdout.fnmatch_lines(["'*short.nc' is not a readable netCDF file: move it away*"])
     assert "Traceback" not in result.stdout.str()
+    assert "another exception" not in result.stdout.str()
     assert (project.path / "results/short.nc").read_text() == "mine"
     uncached = project.runpytest_inprocess("-p", "no:cacheprovider", *studies_of("SHORT"))
     assert uncached.ret == pytest.ExitCode.USAGE_ERROR
