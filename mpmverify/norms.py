@@ -52,11 +52,6 @@ def norms(values: Array, weight: Array) -> Array:
 def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, Array]]:
     """Norms of the error and of the exact field, by quantity that both sides have.
 
-    Parameters
-    ----------
-    solution : Solution
-    exact : ExactSolution
-
     Returns
     -------
     dict of str to (Array, Array)
