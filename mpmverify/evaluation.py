@@ -78,7 +78,20 @@ class Evaluated:
 
 
 def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discretisation) -> str:
-    """Content key of a run: problem, solver, discretisation, their code and the numerical libraries."""
+    """Content key of a run: problem, solver, discretisation, their code and the numerical libraries.
+
+    Parameters
+    ----------
+    problem : VerificationProblem
+        Its exact solution is no content: a solver does not see it.
+    solver : Solver
+    discretisation : Discretisation
+
+    Raises
+    ------
+    UsageError
+        If one of them is no value; see `digest`.
+    """
     return digest(problem.problem, solver, discretisation)
 
 
@@ -114,11 +127,11 @@ def evaluate(task: Task) -> Evaluated:
     except MpmverifyError:
         raise
     except (Exception, SystemExit) as error:  # a solver under test may raise anything, and its neighbours must still finish
-        return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({_place(error)})")
+        return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({place(error)})")
 
 
-def _place(error: BaseException) -> str:
-    """File and line of an exception: the innermost of the solver itself, for a library seldom shows what is wrong."""
+def place(error: BaseException) -> str:
+    """File and line of an exception: the innermost of the user's own code, for a library seldom shows what is wrong."""
     frames = traceback.extract_tb(error.__traceback__)[1:] or traceback.extract_tb(error.__traceback__)
     where = next((frame for frame in reversed(frames) if not in_library(Path(frame.filename))), frames[-1])
     return f"{Path(where.filename).name}:{where.lineno}"
@@ -180,8 +193,9 @@ def _confirmed(solution: Solution) -> Outcome:
 
 
 def _plain(text: str) -> str:
-    """One line that every file format takes."""
-    return textwrap.shorten(text.replace("\0", ""), 500).encode("utf-8", "replace").decode()
+    """One line that every file format and every terminal takes."""
+    encodable = text.encode("utf-8", "replace").decode()
+    return textwrap.shorten("".join(char for char in encodable if char.isprintable() or char.isspace()), 500)
 
 
 def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:

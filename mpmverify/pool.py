@@ -17,9 +17,12 @@ from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.evaluation import Evaluated, Task, evaluate, failed
 from mpmverify.solution import Status
 
-STARTED = "started"
+READY, STARTED = "ready", "started"
+"""What a process says when it has begun, and when it has received a task."""
 START_UP = 120.0
 """Limit for a new process to import the solver [s]; it does not count as time of the run."""
+LONGEST_WAIT = 3600.0
+"""At one go [s]: systems refuse to wait for some weeks."""
 
 
 def processors() -> int:
@@ -47,7 +50,7 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
     Raises
     ------
     UsageError
-        If a task cannot be sent to a process.
+        If a task cannot be sent to a process, or a process cannot begin.
     MpmverifyError
         What a worker raised: misuse, or a damaged results folder.
     """
@@ -61,7 +64,7 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
                     worker.start(waiting.popleft())
             busy = [worker for worker in workers if worker.task]
             pause = max(0.0, min(worker.deadline for worker in busy) - time.monotonic())
-            ready = wait([worker.connection for worker in busy], pause)
+            ready = wait([worker.connection for worker in busy], min(pause, LONGEST_WAIT))
             for worker in busy:
                 # Whoever takes the results may be slow: what has come in meanwhile is no time-out.
                 if worker.connection in ready or worker.connection.poll():
@@ -81,6 +84,7 @@ class _Worker:
         self.timeout = timeout
         self.task: Task | None = None
         self.deadline = 0.0
+        self.ready = False
         self._spawn()
 
     def _spawn(self) -> None:
@@ -110,7 +114,15 @@ class _Worker:
             result = self.connection.recv()
         except (EOFError, ConnectionResetError):
             self.process.join()
+            if not self.ready:
+                raise UsageError(
+                    f"a worker process ended before it began, with exit status {self.process.exitcode}: a script must keep what it "
+                    "does under `if __name__ == '__main__':`, since its workers import it too"
+                ) from None
             return self.abandon(Status.CRASHED, f"the process died with exit status {self.process.exitcode}")
+        if result == READY:
+            self.ready = True
+            return None
         if result == STARTED:
             self.deadline = time.monotonic() + self.timeout
             return None
@@ -124,6 +136,7 @@ class _Worker:
         task, self.task = self.task, None
         assert task is not None
         self.stop()
+        self.ready = False
         self._spawn()
         return task, failed(task, status, detail)
 
@@ -149,17 +162,19 @@ def no_interrupt() -> Iterator[None]:
 def _serve(connection: Connection) -> None:
     """Evaluate what comes until the other side closes; a failure that is no outcome of the solver is sent as text."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    message: Any = READY
     while True:
         try:
+            connection.send(message)
             task = connection.recv()
             connection.send(STARTED)
-            connection.send(evaluate(task))
+            message = evaluate(task)
         except (EOFError, ConnectionError):
             return
         except MpmverifyError as error:
-            connection.send(error)
+            message = error
         except Exception as error:  # a task or a result that does not travel between processes
-            connection.send(f"{type(error).__name__}: {error}")
+            message = f"{type(error).__name__}: {error}"
 
 
 @dataclass(frozen=True)

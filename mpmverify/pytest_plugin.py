@@ -3,6 +3,7 @@
 Every session of pytest imports this module, so that it imports nothing but pytest until a study or the fixture is used.
 """
 
+import argparse
 import importlib
 import tempfile
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -44,10 +45,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def _jobs(text: str) -> int:
-    jobs = int(text)
-    if jobs < 1:
-        raise ValueError(f"{jobs} worker processes can solve nothing")
-    return jobs
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} worker processes can solve nothing: give a number from 1")
+    return int(text)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -137,13 +137,18 @@ class Studies(pytest.Collector):
 
 
 def _own_study(name: str) -> "Study":
+    from mpmverify.evaluation import place
     from mpmverify.study import Study
 
     module, _, attribute = name.partition(":")
     try:
         study = getattr(importlib.import_module(module), attribute)
     except (ImportError, AttributeError, ValueError) as error:
-        raise UsageError(f"the study {name!r} cannot be imported ({error}): give MODULE:NAME") from error
+        remedy = "give MODULE:NAME of a module that Python finds, as `python -m pytest` finds those of this folder"
+        raise UsageError(f"the study {name!r} cannot be imported ({error}): {remedy}") from error
+    except (Exception, SystemExit) as error:  # a module may raise anything
+        said = f"{type(error).__name__}: {error} ({place(error)})"
+        raise UsageError(f"the study {name!r} cannot be imported, {said}: mend its module") from error
     if not isinstance(study, Study):
         raise UsageError(f"{name!r} is of the type {type(study).__name__}: give the name of a Study")
     return study
@@ -184,10 +189,11 @@ class CriterionItem(pytest.Item):
         """Have the study solved; a run that erred is an error of the set-up, as nothing could be judged."""
         try:
             self.finding = self.bench.finding(self.identity)
+            failure = _explained(self.finding) if self.finding.verdict == "ERROR" else ""
         except MpmverifyError as error:
-            pytest.fail(str(error), pytrace=False)
-        if self.finding.verdict == "ERROR":
-            pytest.fail(_explained(self.finding), pytrace=False)
+            failure = str(error)
+        if failure:  # here, where pytest does not show what was handled above
+            pytest.fail(failure, pytrace=False)
 
     def runtest(self) -> None:
         if self.finding.verdict == "INCONCLUSIVE" and not self.config.getoption("mpmverify_strict"):
@@ -225,9 +231,10 @@ def verify(request: pytest.FixtureRequest) -> "Callable[..., tuple[Finding, ...]
     """Put a solver of your own on a study: verify(MySolver(), study="elastic-bar", case="pulse").
 
     The solver is any object with `name`, `orders`, `conserves` and `solve(problem, discretisation) -> Solution`. Its declared orders,
-    limited by the smoothness of the exact solution, and what it declares to conserve must hold on the first ladder of the case;
-    `refinement` and `criteria` replace these. All but PASS is an AssertionError with the sentence of every criterion that does not hold;
-    where nothing can be judged, a UsageError says why. With `timeout` (seconds a run) the runs are solved in a worker process.
+    limited by the smoothness of the exact solution, and what it declares to conserve must hold on the first ladder of the case in h
+    at one Courant number; `refinement` and `criteria` replace these. All but PASS is an AssertionError with the sentence of every
+    criterion that does not hold; where nothing can be judged, a UsageError says why. With `timeout` (seconds a run) the runs are
+    solved in a worker process.
     """
     tier = request.config.getoption("mpmverify_tier")
 

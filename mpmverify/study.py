@@ -45,7 +45,18 @@ class Refinement:
             raise UsageError(f"ladder {self.label!r} has {len(self.levels)} levels: the quick tier cannot run {self.quick}")
 
     def tier(self, tier: str) -> tuple[Discretisation, ...]:
-        """Levels that a tier runs; an unknown tier is a `UsageError`."""
+        """Levels that a tier runs.
+
+        Parameters
+        ----------
+        tier : str
+            "quick" or "full".
+
+        Raises
+        ------
+        UsageError
+            If there is no such tier.
+        """
         if tier not in TIERS:
             raise UsageError(f"there is no tier {tier!r}: choose from {', '.join(TIERS)}")
         return self.levels[: self.quick] if tier == "quick" else self.levels
@@ -57,17 +68,18 @@ class Refinement:
         return axis(*columns.T)
 
     def with_courant(self, courant: float) -> "Refinement":
-        """Return the same ladder at another Courant number; levels that become equal are one."""
+        """Return the same ladder at another Courant number [1] throughout; levels that become equal are one."""
         levels = tuple(dict.fromkeys(dataclasses.replace(level, courant=courant) for level in self.levels))
         return Refinement(ladder_label(courant, levels[0].ppc), levels, min(self.quick, len(levels)))
 
     def with_jitter(self, jitter: float, seed: int) -> "Refinement":
-        """Return the same ladder with the particles moved from their places."""
+        """Return the same ladder with the particles moved from their places, as a `Discretisation` says."""
         levels = tuple(dataclasses.replace(level, jitter=jitter, seed=seed) for level in self.levels)
         return Refinement(f"{self.label}, jitter {jitter:g}, seed {seed}", levels, self.quick)
 
 
 def ladder_label(courant: float, ppc: int) -> str:
+    """Name of a ladder in h: its Courant number [1], and its particles per cell where there are several."""
     return f"nu_C={courant:g}" + (f", {ppc} ppc" if ppc > 1 else "")
 
 
@@ -78,13 +90,24 @@ def halving(
 
     Parameters
     ----------
+    length : float
+        Side of the box [m].
+    cells : int
+        Cells on it, on the coarsest level.
+    quick, full : int
+        Levels that the quick and the full tier run.
     courant : float
-        Courant number of the coarsest level.
+        Courant number of the coarsest level [1].
     ppc : int
         Particles per cell.
     courant_power : float
         The Courant number falls as h to this power: 0.5 makes dt proportional to h^(3/2), so that a scheme of second order
         in time shows an order of three in h.
+
+    Raises
+    ------
+    UsageError
+        If a level cannot be discretised, or the quick tier runs no level or more than there are.
     """
     levels = tuple(
         Discretisation(h=length / (cells * 2**k), courant=courant * 0.5 ** (k * courant_power), ppc=ppc) for k in range(full)
@@ -94,13 +117,27 @@ def halving(
 
 
 def in_time(length: float, cells: int, *, quick: int, full: int, courant: float, ppc: int = 1) -> Refinement:
-    """Ladder of `full` levels on `cells` cells of `length` that starts at a Courant number and halves dt."""
+    """Ladder of `full` levels on `cells` cells of `length` that starts at a Courant number and halves dt.
+
+    Parameters
+    ----------
+    length, cells, quick, full, courant, ppc
+        As of `halving`; h is the same on every level.
+    """
     levels = tuple(Discretisation(length / cells, courant * 0.5**k, ppc) for k in range(full))
     return Refinement(f"dt from {ladder_label(courant, ppc)}, {cells} cells", levels, quick)
 
 
 def in_particles(length: float, cells: int, *, courant: float, ppc: Sequence[int]) -> Refinement:
-    """Ladder in particles per cell on `cells` cells of `length`, all of it in both tiers."""
+    """Ladder in particles per cell on `cells` cells of `length`, all of it in both tiers.
+
+    Parameters
+    ----------
+    length, cells, courant
+        As of `halving`; h and dt are the same on every level.
+    ppc : sequence of int
+        Particles per cell, by level.
+    """
     levels = tuple(Discretisation(length / cells, courant, count) for count in ppc)
     return Refinement(f"ppc, {ladder_label(courant, 1)}, {cells} cells", levels, len(levels))
 
@@ -110,6 +147,8 @@ def design(length: float, *, cells: Sequence[int], courant: Sequence[float], ppc
 
     Parameters
     ----------
+    length : float
+        Side of the box [m].
     cells : sequence of int
         Cells on `length`.
     courant : sequence of float
@@ -127,7 +166,14 @@ def design(length: float, *, cells: Sequence[int], courant: Sequence[float], ppc
 
 @dataclass(frozen=True)
 class Series:
-    """One solver on one ladder, and what must hold of it."""
+    """One solver on one ladder, and what must hold of it.
+
+    Parameters
+    ----------
+    solver : Solver
+    refinement : Refinement
+    criteria : tuple of Criterion
+    """
 
     solver: Solver
     refinement: Refinement
@@ -136,7 +182,17 @@ class Series:
 
 @dataclass(frozen=True)
 class Case:
-    """One verification problem and the series that are run on it; `shown` is the quantity that the pages plot first."""
+    """One verification problem and the series that are run on it.
+
+    Parameters
+    ----------
+    name : str
+        Names the case within its study.
+    problem : VerificationProblem
+    series : tuple of Series
+    shown : str
+        The quantity that the pages plot first.
+    """
 
     name: str
     problem: VerificationProblem
@@ -185,11 +241,13 @@ class Study:
                 raise UsageError(f"{name!r} cannot name a file or a group: give it letters and no '/'")
 
     def series(self) -> Iterator[tuple[Case, Series]]:
+        """Every series beside its case, as declared."""
         for case in self.cases:
             for series in case.series:
                 yield case, series
 
     def solver_names(self) -> tuple[str, ...]:
+        """Names of the solvers, each once, as declared."""
         return tuple(dict.fromkeys(series.solver.name for _, series in self.series()))
 
     def restricted(self, solvers: tuple[str, ...] = (), courant: float | None = None) -> "Study":

@@ -11,6 +11,7 @@ import numpy as np
 
 from mpmverify import pool
 from mpmverify.criteria import Balance, Order
+from mpmverify.criteria.metrics import Metrics
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.level import Level
 from mpmverify.errors import UsageError
@@ -62,6 +63,17 @@ def order_band(order: float, derivatives: float) -> tuple[float, float]:
 
 def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterion, ...]:
     """Criteria that follow from what a solver declares: its formal orders and what it conserves.
+
+    Parameters
+    ----------
+    solver : Solver
+    problem : VerificationProblem
+        Its exact solution says how smooth the fields are.
+
+    Returns
+    -------
+    tuple of Criterion
+        An `Order` for every declared quantity that the exact solution has, and a `Balance` for every invariant.
 
     Raises
     ------
@@ -126,7 +138,13 @@ def _sources(problem: VerificationProblem) -> dict[str, str]:
 
 
 def evidence_of(levels: Sequence[Level]) -> Evidence:
-    """Evidence of one series as it was measured; a quantity that a level lacks is absent, a metric that it lacks is NaN."""
+    """Evidence of one series as it was measured; a quantity that a level lacks is absent, a metric that it lacks is NaN.
+
+    Parameters
+    ----------
+    levels : sequence of Level
+        Of one solver, at least one.
+    """
     quantities = [quantity for quantity in levels[0].errors if all(quantity in level.errors for level in levels)]
     metrics = sorted({name for level in levels for name in level.metrics})
     return Evidence(
@@ -137,7 +155,7 @@ def evidence_of(levels: Sequence[Level]) -> Evidence:
         outcomes=tuple(level.outcome for level in levels),
         error={quantity: np.array([level.errors[quantity][0] for level in levels]) for quantity in quantities},
         reference={quantity: np.array([level.errors[quantity][1] for level in levels]) for quantity in quantities},
-        metrics={name: np.array([level.metrics.get(name, np.nan) for level in levels]) for name in metrics},
+        metrics=Metrics({name: np.array([level.metrics.get(name, np.nan) for level in levels]) for name in metrics}),
     )
 
 
@@ -161,7 +179,8 @@ def verify(
     case : str
         May be left out where the study has one case.
     refinement : Refinement, optional
-        By default the first ladder of the case.
+        By default the first ladder of the case; where `criteria` is absent, the first in h at one Courant number, for such is
+        the ladder of which a solver declares its orders.
     criteria : sequence of Criterion, optional
         By default what follows from the solver's declarations; see `expectations`.
     tier : str
@@ -179,7 +198,7 @@ def verify(
     ------
     UsageError
         If nothing could be judged: the solver lacks a part of the protocol or cannot take the problem, the case is unknown, no
-        criterion is given or follows from what it declares.
+        criterion is given or follows from what it declares, or no ladder shows the orders that it declares.
     """
     if isinstance(solver, type):
         raise UsageError(f"{solver.__name__} is a class and no solver: give an instance of it")
@@ -187,8 +206,9 @@ def verify(
     if missing:
         raise UsageError(f"{type(solver).__name__} is no solver: it lacks {', '.join(missing)}")
     chosen = _case(study, case)
-    refinement = chosen.series[0].refinement if refinement is None else refinement
     demanded = expectations(solver, chosen.problem) if criteria is None else tuple(criteria)
+    ladders = [series.refinement for series in chosen.series] if refinement is None else [refinement]
+    refinement = _in_h(chosen, ladders) if criteria is None else ladders[0]
     if not demanded:
         raise UsageError(f"no criterion is given for solver {solver.name!r} on {chosen.problem.problem.name!r}: give one")
     with tempfile.TemporaryDirectory(prefix="mpmverify-") as folder:
@@ -226,6 +246,17 @@ def _case(study: Study, name: str) -> Case:
         which = f"has no case {name!r}" if name else "has several cases"
         raise UsageError(f"study {study.name!r} {which}: choose from {', '.join(cases)}")
     return cases[name]
+
+
+def _in_h(case: Case, ladders: Sequence[Refinement]) -> Refinement:
+    """First of some ladders in h whose dt is proportional to h: others show other orders than a solver declares."""
+    for ladder in ladders:
+        if len({(level.courant, level.ppc) for level in ladder.levels}) == 1:
+            return ladder
+    raise UsageError(
+        f"{ladders[0].label!r} on case {case.name!r} is no ladder in h at one Courant number, of which a solver declares its "
+        "orders: give such a one by refinement=, or criteria= for this one"
+    )
 
 
 def _levels(tasks: Sequence[Task], timeout: float | None) -> list[Level]:

@@ -45,7 +45,7 @@ def _criteria(solver: Solver) -> tuple[Criterion, ...]:
     low, high = (0.9, 1.1) if solver.degree == 1 else (1.4, 2.15)
     return (
         Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE),
-        Order("stress", "L2-max", low, high, v.STRESS_SOURCE if solver.degree == 1 else v.MPM_SOURCE),
+        Order("stress", "L2-max", low, high, v.STRESS_SOURCE if solver.degree == 1 else v.SPLINE_SOURCE),
         EnergyDrift(1.8, v.ENERGY_SOURCE),
     )
 

@@ -54,7 +54,7 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
     energy = EnergyDrift(1.8, v.ENERGY_SOURCE)
     if solver.degree == 1:
         return (displacement, Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE), energy)
-    return (displacement, Order("stress", "L2-max", 1.5, 2.15, v.MPM_SOURCE), energy)
+    return (displacement, Order("stress", "L2-max", 1.5, 2.15, v.SPLINE_SOURCE), energy)
 
 
 TOTAL: tuple[Solver, ...] = tuple(solver for solver in v.MPM if solver.formulation == "total")

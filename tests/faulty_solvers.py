@@ -98,7 +98,7 @@ def _hang(_: Solution) -> Solution:
 
 
 def _raise(_: Solution) -> Solution:
-    raise ZeroDivisionError("a mass of [/zero]\nat node 3 \0 \udc80")
+    raise ZeroDivisionError("a mass of [/zero]\nat node 3 \0\x1b \udc80")
 
 
 def _solve_singular(solution: Solution) -> Solution:

@@ -16,6 +16,7 @@ from faulty_solvers import Scripted, study
 from mpmverify import cli, display, pool, reports, studies
 from mpmverify.baseline import Baseline
 from mpmverify.dataset.study import read_study
+from mpmverify.errors import ResultsError
 from mpmverify.gate import Finding, Verdict
 from mpmverify.summary import STEP_SUMMARY
 
@@ -233,15 +234,62 @@ def assert_one_sentence(result, *parts):
         ("gate --out EMPTY --baseline NOTHING", "there is no baseline 'NOTHING'"),
         ("selftest --out EMPTY --baseline NOTHING", "there is no baseline 'NOTHING'"),
         ("run scripted --out EMPTY --baseline FOLDER", "'FOLDER' is not an mpmverify baseline"),
+        ("run scripted --out EMPTY --baseline LONG", "cannot use 'LONG' (File name too long): choose another place"),
+        ("gate --out LONG", "cannot use 'LONG' (File name too long)"),
+        ("gate LONG --out EMPTY", "(File name too long)"),
+        ("compare LONG EMPTY", "cannot use 'LONG' (File name too long)"),
     ],
 )
 def test_bad_input_gets_one_sentence(tmp_path, arguments, part):
     places = {"EMPTY": tmp_path / "empty", "FILE": tmp_path / "file", "FOLDER": tmp_path, "NOTHING": tmp_path / "none.json"}
+    places["LONG"] = tmp_path / ("long" * 100)
     places["FILE"].write_text("mine")
     for name, path in places.items():
         arguments, part = arguments.replace(name, str(path)), part.replace(name, str(path))
     assert_one_sentence(call(*arguments.split()), part)
     assert places["FILE"].read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["", " ", " results", "\tresults", "x\udcff"])
+def test_a_folder_that_netcdf_would_take_for_another_is_refused(name, tmp_path, monkeypatch):
+    """An empty variable of a shell would write into the folder of the moment, and a blank before a path is dropped."""
+    monkeypatch.chdir(tmp_path)
+    for arguments in (("run", "--out", name), ("gate", "--out", name), ("compare", name, "results")):
+        assert_one_sentence(call(*arguments), "cannot name a results folder: give a name in UTF-8 that begins with no blank")
+    assert [path.name for path in tmp_path.iterdir()] == ["baseline.json"]
+
+
+def test_what_may_not_be_read_is_named(out, tmp_path, monkeypatch):
+    def forbidden(path, **_):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "exists", forbidden)
+    path = tmp_path / "baseline.json"
+    assert_one_sentence(call("gate", "--out", out, "--baseline", path), f"cannot use '{path}' (Permission denied)")
+
+
+def test_verdicts_are_shown_where_no_report_can_be_written(tmp_path, monkeypatch):
+    def foreign(results, fresh=False):
+        raise ResultsError("'index.html' is not ours: move it away")
+
+    monkeypatch.setattr(reports, "render", foreign)
+    result = call("run", "scripted", "--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
+    assert result.exit_code == 2
+    assert "1 INCONCLUSIVE, 2 PASS." in result.stdout
+    assert result.stderr.endswith("Error: 'index.html' is not ours: move it away\n")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is always full")
+def test_an_output_that_nobody_reads_or_that_is_full_is_no_verdict():
+    command = [sys.executable, "-m", "mpmverify", "list"]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
+    assert "No space left on device" in done.stderr
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as unread:
+        unread.stdout.close()
+        assert unread.stderr.read() == b""
+    assert unread.returncode == 141
 
 
 def test_a_baseline_needs_a_reason_that_says_something(out, tmp_path):

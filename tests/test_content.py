@@ -8,6 +8,7 @@ import subprocess
 import sys
 import types
 from enum import Enum
+from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 import faulty_solvers
@@ -233,6 +234,32 @@ def test_a_helper_beside_a_solver_is_in_its_key_and_a_library_is_not(tmp_path):
     assert reached == ["bare.kernel", "deeper", "deeper.constants", "helper", "scheme"]
     for module in ("helper.py", "deeper/constants.py", "bare/kernel.py"):
         (tmp_path / module).write_text((tmp_path / module).read_text() + "# touched\n")
+        touched, *_ = key_in_a_fresh_process(tmp_path, ask).split()
+        assert touched != key
+        key = touched
+
+
+def test_a_compiled_helper_beside_a_solver_is_in_its_key_by_its_bytes(tmp_path):
+    """Built anew from other sources it is another solver, whose runs are not solved yet."""
+    (tmp_path / "scheme.py").write_text(
+        "import dataclasses\n@dataclasses.dataclass(frozen=True)\nclass Mine:\n    x: float = 1.0\n"
+        "    def solve(self, problem, discretisation):\n        import fast, packed.kernel, compiled, binascii\n"
+    )
+    suffix = EXTENSION_SUFFIXES[0]
+    for place in ("packed", "compiled"):
+        (tmp_path / place).mkdir()
+    (tmp_path / "packed" / "__init__.py").touch()
+    modules = [f"fast{suffix}", f"packed/kernel{suffix}", f"compiled/__init__{suffix}"]
+    for module in modules:
+        (tmp_path / module).write_bytes(b"one")
+    ask = (
+        "import scheme; from mpmverify.dataset.content import *;"
+        "print(digest(scheme.Mine()), *sorted(import_closure({'scheme'})))"
+    )
+    key, *reached = key_in_a_fresh_process(tmp_path, ask).split()
+    assert reached == ["compiled", "fast", "packed", "packed.kernel", "scheme"]
+    for module in modules:
+        (tmp_path / module).write_bytes(b"another")
         touched, *_ = key_in_a_fresh_process(tmp_path, ask).split()
         assert touched != key
         key = touched

@@ -551,6 +551,16 @@ def without_a_variable(tree):
     tree["scripted-good"].dataset = tree["scripted-good"].to_dataset(inherit=False).drop_vars("outcome")
 
 
+def with_values(name, values):
+    def damage(tree):
+        dataset = tree["scripted-good"].to_dataset(inherit=False)
+        tree["scripted-good"].dataset = dataset.assign(
+            {name: (dataset[name].dims, np.broadcast_to(values, dataset[name].shape))}
+        )
+
+    return damage
+
+
 def without_its_criteria(tree):
     tree["scripted-good"].dataset = tree["scripted-good"].to_dataset(inherit=False).drop_vars("criterion_json")
 
@@ -569,6 +579,13 @@ def with_criterion(change):
     "damage",
     [
         without_a_variable,
+        with_values("h", "wide"),
+        with_values("h", np.nan),
+        with_values("courant", 0.0),
+        with_values("dt", -1.0),
+        with_values("ppc", "two"),
+        with_values("error_absolute_u", "small"),
+        with_values("metric", "none"),
         without_its_criteria,
         with_criterion(lambda stored: "{"),
         with_criterion(lambda stored: [1]),
@@ -586,6 +603,16 @@ def test_a_study_that_cannot_be_understood_is_named_by_gate_and_accept(tmp_path,
     for read in (lambda: read_findings(path, Baseline(path)), lambda: accepted(Baseline(path), [path], "why not")):
         with pytest.raises(ResultsError, match=rf"^'{path}' is damaged: delete it and run `mpmverify run` again$"):
             read()
+
+
+def test_a_bug_in_a_criterion_is_not_blamed_on_the_file(tmp_path, monkeypatch):
+    def judge(self, evidence):
+        raise IndexError("a bug")
+
+    list(run([study()], plan(tmp_path)))
+    monkeypatch.setattr(Order, "judge", judge)
+    with pytest.raises(IndexError, match="a bug"):
+        read_findings(tmp_path / "scripted.nc", Baseline(tmp_path / "none"))
 
 
 def test_a_criterion_of_a_series_that_is_not_there_is_not_dropped(tmp_path):

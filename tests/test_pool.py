@@ -97,6 +97,31 @@ def test_a_result_that_came_in_while_the_caller_was_busy_is_no_time_out(tmp_path
     assert outcomes == ["completed"] * 4
 
 
+@pytest.mark.parametrize("script", ["<stdin>", "unguarded.py"])
+def test_a_script_that_its_workers_cannot_import_is_told_so_once(tmp_path, script):
+    text = (
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        "from pathlib import Path\nfrom faulty_solvers import plan, study\nfrom mpmverify import pool\nfrom mpmverify.runner import tasks_of\n"
+        f"list(pool.over_processes(tasks_of(study(), plan(Path({str(tmp_path)!r}))), 1, 60.0))\n"
+    )
+    command = [sys.executable, "-"]
+    if script != "<stdin>":
+        (tmp_path / script).write_text(text)
+        command = [sys.executable, tmp_path / script]
+    done = subprocess.run(command, input=text, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert (
+        done.stderr.count("a worker process ended before it began, with exit status 1: a script must keep what it does under")
+        == 1
+    )
+    assert done.stderr.count("Traceback") <= 4
+
+
+def test_a_limit_beyond_what_the_system_can_wait_is_none(tmp_path):
+    ((_, evaluated),) = pool.over_processes(tasks_of(study(levels=1), plan(tmp_path)), 1, timeout=1e300)
+    assert evaluated.level.outcome == "completed"
+
+
 def test_an_abandoned_iteration_ends_the_workers(tmp_path):
     before = children()
     results = pool.over_processes(tasks_of(study(Scripted(), Scripted("hangs")), plan(tmp_path)), 1, timeout=60.0)

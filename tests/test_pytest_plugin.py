@@ -44,6 +44,7 @@ def project(pytester, journal, monkeypatch):
     pytester.syspathinsert(TESTS)
     pytester.syspathinsert()
     pytester.makepyfile(own=OWN.format(journal=journal))
+    pytester.makepyfile(broken="1 / 0", leaving="raise SystemExit(3)")
     pytester.makepyfile("def test_of_their_own(): pass")
     monkeypatch.delitem(sys.modules, "own", raising=False)
     return pytester
@@ -122,6 +123,8 @@ def test_without_its_option_no_study_is_collected(project):
         (["nope"], "unknown study 'nope': choose from advection, elastic-bar, gehojerez-deck"),
         (["own:NOPE"], "the study 'own:NOPE' cannot be imported (module 'own' has no attribute 'NOPE'): give MODULE:NAME"),
         (["nowhere:STUDY"], "the study 'nowhere:STUDY' cannot be imported (No module named 'nowhere'): give MODULE:NAME"),
+        (["broken:STUDY"], "the study 'broken:STUDY' cannot be imported, ZeroDivisionError: * (broken.py:1): mend its module"),
+        (["leaving:STUDY"], "the study 'leaving:STUDY' cannot be imported, SystemExit: 3 (leaving.py:1): mend its module"),
         (["own:VAIN"], "the study 'own:VAIN' has no criterion: say what must hold of its series"),
         (["own:NUMBER"], "'own:NUMBER' is of the type int: give the name of a Study"),
         (["own:SHORT", "own:TWIN"], "'own:SHORT' and 'own:TWIN' are both named 'short': rename one"),
@@ -132,6 +135,13 @@ def test_a_study_that_is_not_there_is_one_sentence(project, names, sentence):
     result.stdout.fnmatch_lines([sentence.replace("[", "[[]") + "*"])
     assert result.ret == pytest.ExitCode.INTERRUPTED
     assert "Traceback" not in result.stdout.str()
+
+
+@pytest.mark.parametrize("jobs", ["0", "-1", "two", "1.5"])
+def test_a_number_of_workers_that_is_none_is_one_sentence(project, jobs):
+    result = project.runpytest_inprocess(f"--mpmverify-jobs={jobs}", "--collect-only")
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    result.stderr.fnmatch_lines([f"*'{jobs}' worker processes can solve nothing: give a number from 1"])
 
 
 def test_without_a_cache_a_results_folder_is_asked_for_in_one_sentence(project):
@@ -219,6 +229,7 @@ def test_a_results_folder_that_is_not_ours_is_one_sentence(project):
     outcomes(result, passed=1, errors=2)
     result.stdout.fnmatch_lines(["'*short.nc' is not a readable netCDF file: move it away*"])
     assert "Traceback" not in result.stdout.str()
+    assert "another exception" not in result.stdout.str()
     assert (project.path / "results/short.nc").read_text() == "mine"
     uncached = project.runpytest_inprocess("-p", "no:cacheprovider", *studies_of("SHORT"))
     assert uncached.ret == pytest.ExitCode.USAGE_ERROR

@@ -8,7 +8,8 @@ import click
 import pytest
 import yaml
 
-from mpmverify import cli
+from mpmverify import cli, studies
+from mpmverify.verification import verify
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 (WORKFLOW,) = re.findall(r"<!-- workflow -->\n```yaml\n(.*?)```", README, re.DOTALL)
@@ -78,6 +79,36 @@ def test_the_command_line_takes_every_command_of_the_workflow(command):
 
 def test_the_workflow_runs_and_gates():
     assert [command[1] for command in COMMANDS] == ["run", "gate"]
+
+
+(NAME, FILE) = re.search(r"<!-- file: (\S+) -->\n```python\n(.*?)```", README, re.DOTALL).groups()
+
+
+def test_the_solver_that_the_readme_shows_passes_by_the_command_that_it_gives(pytester):
+    (command,) = re.findall(rf"`(pytest {NAME})`", README)
+    pytester.path.joinpath(NAME).write_text(FILE, encoding="utf-8")
+    pytester.runpytest_subprocess(*command.split()[1:]).assert_outcomes(passed=1)
+    assert len(FILE.splitlines()) <= 40
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "verdict"),
+    [
+        ("bend / 2", "bend / 2", "PASS"),
+        ("dt / discretisation.h) ** 2", "dt / discretisation.h) ** 2 * 1.01", "FAIL"),
+        ("bend if n", "bend / 2 if n", "FAIL"),
+        ("gained = dt", "gained = 0.99 * dt", "FAIL"),
+        ('"displacement": 2}', '"displacement": 3}', "FAIL"),
+        ("reference=x,", "reference=x * np.nan,", "ERROR"),
+    ],
+)
+def test_a_fault_in_the_solver_that_the_readme_shows_does_not_pass(right, wrong, verdict):
+    assert FILE.count(right) == 1
+    names: dict = {}
+    exec(FILE.replace(right, wrong), names)
+    found: list = []
+    names["test_leapfrog"](lambda solver, study, case: found.extend(verify(solver, studies.get(study), case)))
+    assert [finding.verdict for finding in found] == [verdict]
 
 
 @pytest.mark.parametrize("block", ALONE, ids=lambda block: block.splitlines()[0])

@@ -6,17 +6,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from faulty_solvers import MISDEEDS, Scripted, ladder, study, transported
+from faulty_solvers import MISDEEDS, Scripted, ladder, plan, study, transported
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mpmverify import studies
-from mpmverify.criteria import Balance, Exact, Order
+from mpmverify.criteria import Balance, EnergyConserved, EnergyDrift, Exact, Order
 from mpmverify.errors import UsageError
 from mpmverify.exact.advection import Gaussian, Inflow, advection
 from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic_bar
 from mpmverify.gate import Verdict
 from mpmverify.problem import Constant, Outflow
+from mpmverify.runner import run
+from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.study import design, halving, in_time
 from mpmverify.verification import MARGIN, evidence_of, expectations, order_band, verify
 
 HILL = study()
@@ -194,6 +197,20 @@ def test_a_quantity_or_a_history_that_is_not_returned_is_an_error():
     assert verdicts(Forgetful())["mass conserved"] is Verdict.ERROR
 
 
+@pytest.mark.parametrize("criterion", [Balance("momentum", "impulse", "s"), EnergyDrift(1.8, "s"), EnergyConserved("s")])
+@pytest.mark.parametrize("stored", [False, True])
+def test_what_the_solver_does_not_return_is_named_and_not_only_what_is_made_of_it(criterion, stored, tmp_path):
+    needed = {"momentum", "impulse"} if isinstance(criterion, Balance) else {"kinetic_energy", "strain_energy", "external_work"}
+    if stored:
+        (judged,) = run([study(criteria=(criterion,))], plan(tmp_path))
+        finding = judged.findings[0]
+    else:
+        (finding,) = verify(Scripted(), HILL, criteria=[criterion])
+    assert finding.verdict is Verdict.ERROR
+    assert "was not measured on this series: the solver does not return it" in finding.reason
+    assert all(f"'{name}'" in finding.reason for name in needed)
+
+
 def test_a_solution_without_any_error_or_with_two_levels_proves_no_order():
     class Perfect(Plain):
         def solve(self, problem, discretisation):
@@ -260,6 +277,27 @@ def test_where_nothing_can_be_judged_a_sentence_says_why(solver, choices, senten
 def test_a_study_of_several_cases_wants_to_know_which():
     with pytest.raises(UsageError, match="study 'elastic-bar' has several cases: choose from step, ramp, pulse"):
         verify(Scripted(), studies.get("elastic-bar"))
+
+
+@pytest.mark.parametrize(
+    "refinement",
+    [in_time(1.0, 8, quick=3, full=3, courant=0.5), halving(1.0, 8, quick=3, full=3, courant=0.5, courant_power=1)],
+)
+def test_declared_orders_are_looked_for_on_a_ladder_in_h_at_one_courant_number_alone(refinement):
+    """On any other a scheme of another order could pass, or the right one fail."""
+    with pytest.raises(UsageError, match=r"is no ladder in h at one Courant number, .* give such a one by refinement="):
+        verify(Plain(), HILL, refinement=refinement)
+    given = verify(Plain(), HILL, refinement=refinement, criteria=[Order("u", "L2", 1.85, 2.15, "ours")])
+    assert [finding.refinement for finding in given] == [refinement.label]
+
+
+def test_a_design_shows_no_declared_order_and_the_first_ladder_in_h_is_taken():
+    with pytest.raises(UsageError, match="'3 h x 4 dt' on case 'h-and-dt' is no ladder in h"):
+        verify(MaterialPoint(), studies.get("error-sources"), "h-and-dt")
+    (case,) = HILL.cases
+    both = (replace(case.series[0], refinement=design(1.0, cells=(8, 16), courant=(0.5, 0.25))), *case.series)
+    found = verify(Plain(), replace(HILL, cases=(replace(case, series=both),)))
+    assert [(finding.refinement, finding.verdict) for finding in found] == [(ladder().label, Verdict.PASS)]
 
 
 def test_a_run_that_hangs_or_kills_its_process_is_an_error_under_a_time_limit():

@@ -1,5 +1,6 @@
 """Commands that answer what a user can mend in one sentence."""
 
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,8 +10,8 @@ import click
 
 from mpmverify.errors import MpmverifyError
 
-INTERRUPTED = 130
-"""Exit status after SIGINT, as shells have it: 1 would say that a gate failed."""
+INTERRUPTED, NOBODY_READS = 130, 141
+"""Exit status after SIGINT and SIGPIPE, as shells have it: 1 would say that a gate failed."""
 
 
 class _Abort(click.ClickException):
@@ -31,7 +32,7 @@ class Group(click.Group):
 
 @contextmanager
 def _one_sentence() -> Iterator[None]:
-    """Turn the library's errors and click's into one sentence and exit status 2; an interrupt is no verdict either."""
+    """Turn the library's errors, click's and the system's into one sentence and exit status 2; an interrupt is no verdict either."""
     try:
         yield
     except click.exceptions.NoArgsIsHelpError:
@@ -40,6 +41,12 @@ def _one_sentence() -> Iterator[None]:
         raise _Abort(error.format_message()) from error
     except MpmverifyError as error:
         raise _Abort(str(error)) from error
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left to be written is written when Python ends
+        sys.exit(NOBODY_READS)
+    except OSError as error:
+        place = f"'{error.filename}'" if error.filename else "the output"
+        raise _Abort(f"cannot use {place} ({error.strerror or error}): choose another place") from error
     except KeyboardInterrupt:
         click.echo("Interrupted: finished runs are kept, run again to go on.", err=True)
         sys.exit(INTERRUPTED)

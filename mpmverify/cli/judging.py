@@ -13,6 +13,7 @@ import click
 from mpmverify.cli.group import Group
 from mpmverify.cli.options import (
     EPILOG,
+    Folder,
     accepted,
     baseline_option,
     explain_option,
@@ -90,8 +91,8 @@ def report(out: Path, open_: bool) -> None:
 
 
 @click.command(epilog="Exit status: 0 nothing is worse or lost, 1 something is, 2 usage.")
-@click.argument("before", metavar="A", type=click.Path(path_type=Path))
-@click.argument("after", metavar="B", type=click.Path(path_type=Path))
+@click.argument("before", metavar="A", type=Folder())
+@click.argument("after", metavar="B", type=Folder())
 @click.option("--explain", is_flag=True, help="Print every change.")
 def compare(before: Path, after: Path, explain: bool) -> None:
     """Say what became worse, slower, lost, new, faster or better from the results in A to those in B.

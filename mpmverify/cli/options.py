@@ -1,9 +1,10 @@
 """What several commands take, and where it leads."""
 
 import math
+import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,9 +24,22 @@ def positive(_ctx: click.Context, parameter: click.Parameter, value: float | Non
     return value
 
 
-out_option = click.option(
-    "--out", type=click.Path(path_type=Path), default=Path("results"), show_default=True, help="Results folder."
-)
+class Folder(click.Path):
+    """A results folder, by a name that the netCDF library takes for what it is: UTF-8, and no blank before it."""
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        name = os.fsencode(value)
+        if not name or name[:1].isspace() or name.decode("utf-8", "replace").encode() != name:
+            self.fail(
+                f"{os.fspath(value)!r} cannot name a results folder: give a name in UTF-8 that begins with no blank", param, ctx
+            )
+        return super().convert(value, param, ctx)
+
+
+out_option = click.option("--out", type=Folder(), default=Path("results"), show_default=True, help="Results folder.")
 baseline_option = click.option(
     "--baseline", type=click.Path(path_type=Path), help="Baseline of the regression gate  [default: the shipped one]"
 )

@@ -95,9 +95,9 @@ def run(
             findings += judged.findings
             solved, reused = solved + judged.solved, reused + judged.reused
     findings.sort(key=lambda finding: names.index(finding.study))
-    page = render(plan.results)
     show(findings, explain=explain)
     click.echo(f"{solved} runs solved, {reused} already at hand.")
+    page = render(plan.results)  # after the verdicts, which are known even where no report can be written
     click.echo(f"Report: {page}")
     if open_:
         webbrowser.open(page.resolve().as_uri())

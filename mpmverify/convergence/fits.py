@@ -42,7 +42,13 @@ class FloorFit:
 
 
 def pairwise_orders(h: Array, error: Array) -> Array:
-    """Return log(E_i/E_{i+1}) / log(h_i/h_{i+1}) from the actual h, (n - 1,); NaN where undefined."""
+    """Return log(E_i/E_{i+1}) / log(h_i/h_{i+1}) from the actual h, (n - 1,); NaN where undefined.
+
+    Parameters
+    ----------
+    h, error : Array
+        Sizes and errors (n,), coarsest first; an error that is not positive and finite has no order.
+    """
     usable = np.isfinite(error) & (error > 0)
     log_error = np.log(np.where(usable, error, 1.0))
     orders = np.diff(log_error) / np.diff(np.log(h))
@@ -50,7 +56,15 @@ def pairwise_orders(h: Array, error: Array) -> Array:
 
 
 def fit_order(h: Array, error: Array, confidence: float = CONFIDENCE) -> Fit:
-    """Fit E = A h^p to at least two levels of positive, finite error."""
+    """Fit E = A h^p by least squares of the logarithms.
+
+    Parameters
+    ----------
+    h, error : Array
+        Sizes and errors (n,) of at least two levels, positive and finite.
+    confidence : float
+        Of the interval of p by Student's t [1]; it is infinite on two levels.
+    """
     x, y = np.log(h), np.log(error)
     dx = x - x.mean()
     sxx = float(dx @ dx)
@@ -66,7 +80,12 @@ def fit_order(h: Array, error: Array, confidence: float = CONFIDENCE) -> Fit:
 
 
 def fit_floor(h: Array, error: Array) -> FloorFit:
-    """Fit E = E0 + A h^p, E0 >= 0 and A >= 0, to at least four levels.
+    """Fit E = E0 + A h^p, E0 >= 0 and A >= 0.
+
+    Parameters
+    ----------
+    h, error : Array
+        Sizes and errors (n,) of at least four levels, positive and finite.
 
     Notes
     -----
@@ -89,6 +108,11 @@ def fit_floor(h: Array, error: Array) -> FloorFit:
 
 def significant_floor(h: Array, error: Array) -> FloorFit | None:
     """E0 + A h^p when it explains a levelling series far better than A h^p does, else None.
+
+    Parameters
+    ----------
+    h, error : Array
+        Sizes and errors (n,), coarsest first, positive and finite.
 
     Notes
     -----

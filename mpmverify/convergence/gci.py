@@ -133,9 +133,14 @@ def grid_convergence_of_differences(h: Numbers, difference: Numbers, *, formal: 
 
 
 def observed_order(coarse_ratio: float, fine_ratio: float, growth: float) -> float:
-    """Order p > -inf of a quantity whose steps shrink by `growth` = coarse step/fine step > 0; ratios are those of the sizes.
+    """Order p > -inf of a quantity that changes from level to level; infinite where it exceeds what doubles can show.
 
-    Infinite where it exceeds what doubles can show.
+    Parameters
+    ----------
+    coarse_ratio, fine_ratio : float
+        Ratios of neighbouring sizes, coarser over finer, above 1: of the coarsest two levels and of the finest two.
+    growth : float
+        The coarse step over the fine one, positive.
     """
     from scipy.optimize import brentq  # a fifth of a second that only references need
 

@@ -12,6 +12,20 @@ PLAUSIBLE = 12.0
 def judge_order(series: Convergence, low: float, high: float) -> Judgement:
     """Judge an order; the fit and the finest step of refinement must agree, or nothing is concluded.
 
+    Parameters
+    ----------
+    series : Convergence
+        As `analyse` makes it.
+    low, high : float
+        Accepted band.
+
+    Returns
+    -------
+    (Verdict, str)
+        With the reason in one sentence.
+
+    Notes
+    -----
     PASS when the interval lies in the band, the finest step strays from it by no more than `STEP_SLACK`, and the order is not
     falling out of it unchecked. FAIL when the error stops, grows or its interval lies wholly outside, and the finest step
     lies outside on the same side and is not on its way in: levels that are not asymptotic yet accuse nobody. No band reaches

@@ -46,7 +46,19 @@ def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
 
 
 def numbers(values: Numbers, what: str) -> Array:
-    """Real numbers as an array; a masked one is NaN, since numpy would bring to light what the mask hides."""
+    """Real numbers as an array; a masked one is NaN, since numpy would bring to light what the mask hides.
+
+    Parameters
+    ----------
+    values : array-like
+    what : str
+        Names them in the error.
+
+    Raises
+    ------
+    UsageError
+        If they are not real numbers.
+    """
     try:
         if np.iscomplexobj(values):
             raise TypeError("complex")

@@ -52,24 +52,34 @@ class Reference:
         )
 
     def may_gate(self, error: float) -> bool:
-        """Whether a relative error is large enough to be told from that of the reference."""
+        """Whether a relative error [1] is large enough to be told from that of the reference."""
         return error > REFERENCE_MARGIN * self.uncertainty
 
 
 def qualify(h: Numbers, value: Numbers | None = None, *, formal: float) -> Reference:
-    """Qualify a reference by a scalar quantity on its own ladder; arguments as in `grid_convergence`.
+    """Qualify a reference by a scalar quantity on its own ladder; the uncertainty is relative to the finest value.
 
-    The uncertainty is relative to the finest value.
+    Parameters
+    ----------
+    h, value, formal
+        As `grid_convergence` takes them.
+
+    Raises
+    ------
+    UsageError
+        As `grid_convergence` does.
     """
     h, value = levels(h, value)
     return Reference(grid_convergence(h, value, formal=formal), abs(float(value[-1])))
 
 
 def qualify_by_differences(h: Numbers, difference: Numbers, *, formal: float, size: float) -> Reference:
-    """Qualify a reference by the differences of its own solutions; arguments as in `grid_convergence_of_differences`.
+    """Qualify a reference by the differences of its own solutions.
 
     Parameters
     ----------
+    h, difference, formal
+        As `grid_convergence_of_differences` takes them.
     size : float
         Norm of the finest solution, the one that the differences are taken in.
 

@@ -101,7 +101,7 @@ class Convergence:
         return min(0.0, reduction - low * width) + max(0.0, reduction - high * width)
 
     def last_two_steps(self, low: float) -> float:
-        """How far the finest two steps together stray below an order, as `finest_step` has it: zero or less.
+        """How far the finest two steps together stray below the order `low`, as `finest_step` has it: zero or less.
 
         Where the sign of a correction alternates, every other step overstates the order and the next one understates it.
         """
@@ -109,7 +109,7 @@ class Convergence:
         return min(0.0, math.log(self.error[coarse] / self.error[fine]) - low * math.log(self.h[coarse] / self.h[fine]))
 
     def approaches(self, low: float, high: float) -> bool:
-        """Whether the order leaves a band at the finest step and is on its way in; at least three levels must be kept.
+        """Whether the order leaves the band [low, high] at the finest step and is on its way in; three levels must be kept at least.
 
         Notes
         -----

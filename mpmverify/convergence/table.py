@@ -33,6 +33,11 @@ class Table:
     def numbers(self, name: str) -> Array:
         """One column (n,).
 
+        Parameters
+        ----------
+        name : str
+            Its name.
+
         Raises
         ------
         UsageError
@@ -51,6 +56,11 @@ class Table:
 
 def read_table(path: Path) -> Table:
     """Read a CSV file whose first line names the columns, which commas, semicolons or tabs separate; empty lines are skipped.
+
+    Parameters
+    ----------
+    path : Path
+        A text in UTF-8.
 
     Raises
     ------

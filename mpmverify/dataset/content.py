@@ -3,6 +3,7 @@
 import ast
 import dataclasses
 import hashlib
+import importlib.machinery
 import importlib.util
 import json
 import platform
@@ -23,7 +24,7 @@ NUMERICAL_LIBRARIES = ("numpy", "scipy", "numba", "scikit-fem")
 
 
 def digest(*parts: Any, code: Iterable[str] = ()) -> str:
-    """Return a hexadecimal digest of values, the sources of their classes and the numerical libraries.
+    """Return a hexadecimal digest of values, the modules of their classes and the numerical libraries.
 
     Parameters
     ----------
@@ -35,21 +36,25 @@ def digest(*parts: Any, code: Iterable[str] = ()) -> str:
     Raises
     ------
     UsageError
-        If a part is not a value: a lambda, a closure, an open object; or if the source of its class cannot be found.
+        If a part is not a value: a lambda, a closure, an open object; or if the module of its class is no file.
+
+    Notes
+    -----
+    What a compiled module imports or links to, and what code calls by other means than an import, is not known.
     """
     modules = set(code)
     body = json.dumps([canonical(part, modules) for part in parts], sort_keys=True)
     for name in sorted(modules):
-        if source_path(name) is None:
+        if module_file(name) is None:
             raise UsageError(f"the source of module {name!r} cannot be found, so that its runs have no key: put it into a file")
     return hashlib.sha256(f"{body}{code_digest(frozenset(modules))}{json.dumps(library_versions())}".encode()).hexdigest()[:24]
 
 
 @cache
 def code_digest(modules: frozenset[str]) -> str:
-    """Digest of the sources of some modules and of all that they import."""
-    sources = {name: source_digest(name) for name in sorted(import_closure(modules))}
-    return hashlib.sha256(json.dumps(sources).encode()).hexdigest()
+    """Digest of the files of some modules and of all that they import."""
+    files = {name: module_digest(name) for name in sorted(import_closure(modules))}
+    return hashlib.sha256(json.dumps(files).encode()).hexdigest()
 
 
 def canonical(value: Any, modules: set[str]) -> Any:
@@ -88,15 +93,15 @@ def import_closure(modules: Iterable[str]) -> set[str]:
     pending = list(modules)
     while pending:
         name = pending.pop()
-        if name not in reached and source_path(name) is not None:
+        if name not in reached and module_file(name) is not None:
             reached.add(name)
             pending.extend(imported_names(name))
     return reached
 
 
 @cache
-def source_path(module: str) -> Path | None:
-    """File of a module, or None when it is no Python source or does not exist."""
+def module_file(module: str) -> Path | None:
+    """File of a module, Python source or compiled; None when it does not exist, is built in or has no file."""
     package = module.rpartition(".")[0]
     if package and not _folders(package):
         return None  # an attribute of a module; to look for it would import the module
@@ -108,15 +113,15 @@ def source_path(module: str) -> Path | None:
         except (ImportError, ValueError):
             return None
         origin = spec.origin if spec else None
-    return Path(origin) if origin and origin.endswith(".py") else None
+    return Path(origin) if origin and origin.endswith(tuple(importlib.machinery.all_suffixes())) else None
 
 
 @cache
 def _folders(package: str) -> tuple[str, ...]:
-    """Folders of a package, with an __init__.py or without; none of what is no package of Python source."""
-    path = source_path(package)
+    """Folders of a package, with an __init__ or without; none of what is no package."""
+    path = module_file(package)
     if path is not None:
-        return (str(path.parent),) if path.name == "__init__.py" else ()
+        return (str(path.parent),) if _is_init(path) else ()
     try:
         spec = importlib.util.find_spec(package)
     except (ImportError, ValueError):
@@ -124,19 +129,24 @@ def _folders(package: str) -> tuple[str, ...]:
     return tuple(spec.submodule_search_locations or ()) if spec and spec.origin is None else ()
 
 
+def _is_init(path: Path) -> bool:
+    """Whether a module is that of a package; a compiled one has the platform between its name and its suffix."""
+    return path.name.partition(".")[0] == "__init__"
+
+
 @cache
-def source_digest(module: str) -> str:
-    path = source_path(module)
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path else ""
+def module_digest(module: str) -> str:
+    path = module_file(module)
+    return file_digest(path) if path else ""
 
 
 @cache
 def imported_names(module: str) -> frozenset[str]:
     """Names that a module imports, modules or attributes of one: from its own package, mpmverify and what is in no library."""
-    path = source_path(module)
-    if path is None:
+    path = module_file(module)
+    if path is None or not path.name.endswith(tuple(importlib.machinery.SOURCE_SUFFIXES)):
         return frozenset()
-    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    package = module if _is_init(path) else module.rpartition(".")[0]
     names: set[str] = set()
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.Import):
@@ -154,8 +164,8 @@ def imported_names(module: str) -> frozenset[str]:
 
 @cache
 def _is_open(package: str) -> bool:
-    """Whether the source of a top-level package or module lies in no library, so that it may change between two runs."""
-    path = source_path(package) if package else None
+    """Whether a top-level package or module lies in no library, so that it may change between two runs."""
+    path = module_file(package) if package else None
     places = [path] if path else [Path(folder) for folder in _folders(package)] if package else []
     return any(not in_library(place) for place in places)
 

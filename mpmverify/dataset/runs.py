@@ -34,7 +34,22 @@ def history_units(quantities: Iterable[str]) -> Mapping[str, str]:
 
 
 def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
-    """Write a solution; see `Solution` for what each variable holds. A foreign file at `path` is never overwritten."""
+    """Write a solution; see `Solution` for what each variable holds. A foreign file at `path` is never overwritten.
+
+    Parameters
+    ----------
+    path : Path
+    key : str
+        Content key of the run, by which it is read back.
+    solution : Solution
+    title : str
+        For people.
+
+    Raises
+    ------
+    ResultsError
+        If a file that is not ours stands there, or it cannot be written.
+    """
     if path.exists():
         check_ours(path, "run")
 
@@ -83,6 +98,12 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
 
 def read_run(path: Path, key: str) -> Solution:
     """Read a solution back.
+
+    Parameters
+    ----------
+    path : Path
+    key : str
+        Content key that the run must have.
 
     Raises
     ------

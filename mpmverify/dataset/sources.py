@@ -1,14 +1,14 @@
 """The sources of error that criteria tell apart, in the dataset of a solver: one row a criterion."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
 from mpmverify.axis import UNITS
 from mpmverify.criteria import Separated
-from mpmverify.dataset.study import evidence, series_of, text
-from mpmverify.gate import Criterion
+from mpmverify.dataset.study import text
+from mpmverify.gate import Criterion, Evidence
 from mpmverify.separation import REST, Source
 
 NAMES = (*UNITS, REST)
@@ -21,15 +21,18 @@ MEANING = {
 }
 
 
-def with_sources(dataset: xr.Dataset, declared: Sequence[tuple[str, str, Criterion]]) -> xr.Dataset:
+def with_sources(
+    dataset: xr.Dataset,
+    declared: Sequence[tuple[str, str, Criterion]],
+    seen: Mapping[tuple[str, str], Evidence],
+) -> xr.Dataset:
     """Add the sources of the errors that are to be separated, if any, to a solver's dataset; sources out of question are NaN."""
-    levels = series_of(dataset)
     rows = [(case, refinement, entry) for case, refinement, entry in declared if isinstance(entry, Separated)]
-    rows = [row for row in rows if row[:2] in levels and row[2].quantity in evidence(dataset, levels[row[:2]]).error]
+    rows = [row for row in rows if row[:2] in seen and row[2].quantity in seen[row[:2]].error]
     dataset = dataset.drop_dims(("separation", "source", "beside"), errors="ignore")
     if not rows:
         return dataset
-    found = [entry.separation(evidence(dataset, levels[case, refinement])) for case, refinement, entry in rows]
+    found = [entry.separation(seen[case, refinement]) for case, refinement, entry in rows]
     table = {name: np.full((len(rows), len(NAMES)), np.nan) for name in MEANING}
     cosine = np.full((len(rows), len(NAMES), len(NAMES)), np.nan)
     for k, separation in enumerate(found):

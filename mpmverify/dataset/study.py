@@ -25,7 +25,6 @@ from mpmverify.dataset.runs import history_units
 from mpmverify.dataset.statement import statement
 from mpmverify.dataset.tree import write_tree
 from mpmverify.errors import ResultsError
-from mpmverify.gate import Evidence
 from mpmverify.norms import NORMS
 from mpmverify.problem import UNITS, Array
 from mpmverify.study import Study
@@ -221,36 +220,6 @@ def _histories(shots: Sequence[Snapshots]) -> xr.Dataset:
 def solvers(tree: xr.DataTree) -> Iterator[tuple[str, xr.Dataset]]:
     for name, node in tree.children.items():
         yield name, node.to_dataset(inherit=False)
-
-
-def series_of(dataset: xr.Dataset) -> dict[tuple[str, str], np.ndarray]:
-    """Level indices of each (case, refinement) of a solver."""
-    table: dict[tuple[str, str], list[int]] = {}
-    for index, identity in enumerate(zip(dataset["case"].values.tolist(), dataset["refinement"].values.tolist(), strict=True)):
-        table.setdefault(identity, []).append(index)
-    return {identity: np.array(indices) for identity, indices in table.items()}
-
-
-def evidence(dataset: xr.Dataset, levels: np.ndarray) -> Evidence:
-    """Evidence of one series of a solver's dataset; quantities and metrics that were not measured on it are absent."""
-    part = dataset.isel(level=levels)
-    size = {quantity: part[f"exact_norm_{quantity}"].values for quantity in part["quantity"].values.tolist()}
-    size = {quantity: values for quantity, values in size.items() if np.isfinite(values).all()}
-    metric = part["metric"].values
-    return Evidence(
-        h=part["h"].values,
-        dt=part["dt"].values,
-        courant=part["courant"].values,
-        ppc=part["ppc"].values,
-        jitter=part["jitter"].values,
-        seed=part["seed"].values,
-        outcomes=tuple(part["outcome"].values.tolist()),
-        error={quantity: part[f"error_absolute_{quantity}"].values for quantity in size},
-        reference=size,
-        metrics={
-            str(name): metric[:, k] for k, name in enumerate(part["metric_name"].values) if not np.isnan(metric[:, k]).all()
-        },
-    )
 
 
 def write_study(path: Path, tree: xr.DataTree) -> None:

@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 
 from mpmverify.baseline import levels
-from mpmverify.dataset.study import evidence, read_study, series_of, solvers
+from mpmverify.dataset.evidence import evidence, series_of
+from mpmverify.dataset.study import read_study, solvers
 from mpmverify.dataset.verdicts import damage, findings
 from mpmverify.gate import Verdict, worst
 from mpmverify.norms import NORMS

@@ -4,6 +4,7 @@ import dataclasses
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,13 @@ import numpy as np
 import xarray as xr
 
 from mpmverify import baseline as regression
-from mpmverify.criteria import CRITERIA, Stall, Unstable
+from mpmverify.criteria import Stall, Unstable
+from mpmverify.dataset.criteria import criteria, with_criteria
+from mpmverify.dataset.evidence import evidence, series_of
 from mpmverify.dataset.sources import with_sources
-from mpmverify.dataset.study import evidence, read_study, series_of, solvers, text
+from mpmverify.dataset.study import read_study, solvers, text
 from mpmverify.errors import MpmverifyError, ResultsError, UsageError
-from mpmverify.gate import Criterion, Finding, judge
+from mpmverify.gate import Criterion, Evidence, Finding, judge
 from mpmverify.norms import NORMS
 from mpmverify.study import Study
 
@@ -36,28 +39,49 @@ def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
     ResultsError
         If a criterion is stored of a series that is not: it would hold of nothing, unseen.
     """
+    return _with_judgements(tree, _understood(tree), baseline)
+
+
+@dataclass(frozen=True)
+class _Understood:
+    """What a study's tree holds of one solver, as the judge takes it: criteria, and evidence by (case, refinement)."""
+
+    dataset: xr.Dataset
+    declared: Sequence[tuple[str, str, Criterion]]
+    seen: Mapping[tuple[str, str], Evidence]
+
+
+def _understood(tree: xr.DataTree) -> dict[str, _Understood]:
+    """All that is judged, by solver; content that cannot be understood raises here, and not where it is judged."""
+    return {
+        solver: _Understood(
+            dataset, criteria(dataset), {name: evidence(dataset, levels) for name, levels in series_of(dataset).items()}
+        )
+        for solver, dataset in solvers(tree)
+    }
+
+
+def _with_judgements(tree: xr.DataTree, content: Mapping[str, _Understood], baseline: regression.Baseline) -> xr.DataTree:
     study = tree.attrs["id"]
     run = []
-    for solver, dataset in solvers(tree):
+    for solver, stored in content.items():
         table = []
-        declared = criteria(dataset)
-        series = series_of(dataset)
-        for case, refinement, criterion in declared:
-            if (case, refinement) not in series:
+        for case, refinement, criterion in stored.declared:
+            if (case, refinement) not in stored.seen:
                 raise ResultsError(
                     f"{criterion.title!r} is to hold of {study}/{case}/{solver} ({refinement}), which is not there: run it again"
                 )
-        for (case, refinement), levels in series.items():
+        for (case, refinement), seen in stored.seen.items():
             run.append((case, solver, refinement))
-            seen = evidence(dataset, levels)
-            mine = [entry for of_case, of_refinement, entry in declared if (of_case, of_refinement) == (case, refinement)]
+            mine = [entry for *of, entry in stored.declared if of == [case, refinement]]
             judgements = [("verification", criterion.title, judge(criterion, seen), criterion.source) for criterion in mine]
             if not without_baseline(mine):
                 judgement = baseline.judge(study, solver, case, refinement, seen)
                 judgements.append(("regression", regression.TITLE, judgement, baseline.source))
             for gate, title, (verdict, reason), source in judgements:
                 table.append(Finding(study, case, solver, refinement, gate, title, verdict, reason, source))
-        tree[solver].dataset = with_verdicts(with_sources(with_fits(dataset), declared), table)
+        fitted = with_sources(with_fits(stored.dataset, stored.seen), stored.declared, stored.seen)
+        tree[solver].dataset = with_verdicts(fitted, table)
     absent = baseline.lacking(study, run, str(tree.attrs.get("restricted_to", "")))
     tree.attrs[LACKING] = json.dumps(dataclasses.asdict(absent)) if absent else ""
     return tree
@@ -76,17 +100,17 @@ def declare(tree: xr.DataTree, study: Study) -> xr.DataTree:
     return tree
 
 
-def with_fits(dataset: xr.Dataset) -> xr.Dataset:
+def with_fits(dataset: xr.Dataset, evidence: Mapping[tuple[str, str], Evidence]) -> xr.Dataset:
     """Add fits by series, quantity and norm, and the pairwise orders by level, to a solver's dataset."""
     identities = series_of(dataset)
-    shape = (len(identities), dataset.sizes["quantity"], dataset.sizes["norm"])
+    shape = (len(identities), dataset.sizes["quantity"], len(NORMS))
     numbers = {name: np.full(shape, np.nan) for name in ("order", "order_low", "order_high", "floor")}
     words = {name: np.full(shape, "", dtype=object) for name in ("classification", "dropped")}
-    pairwise = np.full(dataset["error"].shape, np.nan)
-    kept = np.zeros(dataset["error"].shape, dtype=np.int8)
+    pairwise = np.full((dataset.sizes["level"], *shape[1:]), np.nan)
+    kept = np.zeros(pairwise.shape, dtype=np.int8)
     axes: list[str] = []
-    for row, levels in enumerate(identities.values()):
-        seen = evidence(dataset, levels)
+    for row, (identity, levels) in enumerate(identities.items()):
+        seen = evidence[identity]
         axes.append(seen.axis.size)
         for k, quantity in enumerate(dataset["quantity"].values.tolist()):
             for n, norm in enumerate(NORMS):
@@ -160,43 +184,14 @@ def lacking(attributes: Mapping[Any, Any]) -> list[Finding]:
     return [Finding.of(json.loads(stored))] if stored else []
 
 
-def with_criteria(dataset: xr.Dataset, declared: Sequence[tuple[str, str, Criterion]]) -> xr.Dataset:
-    """Add the declared criteria (case, refinement, criterion) of a solver to its dataset, so that a file can be judged alone."""
-    rows = [
-        # A criterion is a frozen dataclass, which its protocol cannot say.
-        (case, refinement, json.dumps({"type": type(criterion).__name__} | dataclasses.asdict(criterion)))  # type: ignore[call-overload]
-        for case, refinement, criterion in declared
-    ]
-    names = ("criterion_case", "criterion_refinement", "criterion_json")
-    return dataset.assign({name: ("criterion", text([row[k] for row in rows])) for k, name in enumerate(names)})
-
-
-def criteria(dataset: xr.Dataset) -> list[tuple[str, str, Criterion]]:
-    """Declared criteria of a solver's dataset."""
-    names = ("criterion_case", "criterion_refinement", "criterion_json")
-    table = []
-    for case, refinement, stored in zip(*(dataset[name].values.tolist() for name in names), strict=True):
-        values = json.loads(stored)
-        kind = values.pop("type")
-        if kind not in CRITERIA:
-            raise UsageError(f"the criterion {kind!r} of {case!r} is unknown: choose from {', '.join(CRITERIA)}")
-        table.append((case, refinement, CRITERIA[kind](**{name: _frozen(value) for name, value in values.items()})))
-    return table
-
-
-def _frozen(value: Any) -> Any:
-    """JSON knows no tuples."""
-    return tuple(_frozen(entry) for entry in value) if isinstance(value, list) else value
-
-
 @contextmanager
 def damage(path: Path) -> Iterator[None]:
-    """Name the file whose stored content cannot be understood.
+    """Name the file whose content cannot be understood; nothing else is done in this context, whose errors would be blamed on the file.
 
     Raises
     ------
     ResultsError
-        If what is done with the content fails by what it lacks or holds.
+        If reading fails by what the content lacks or holds.
     """
     try:
         yield
@@ -209,6 +204,12 @@ def damage(path: Path) -> Iterator[None]:
 def read_findings(path: Path, baseline: regression.Baseline) -> list[Finding]:
     """Read the file of a study and judge it anew.
 
+    Parameters
+    ----------
+    path : Path
+    baseline : Baseline
+        Of the regression gate.
+
     Raises
     ------
     ResultsError
@@ -216,7 +217,8 @@ def read_findings(path: Path, baseline: regression.Baseline) -> list[Finding]:
     """
     tree = read_study(path)
     with damage(path):
-        found = findings(judged(tree, baseline))
+        content = _understood(tree)
+    found = findings(_with_judgements(tree, content, baseline))
     if not found:
         raise ResultsError(f"'{path}' holds nothing to judge: delete it and run `mpmverify run` again")
     return found
@@ -224,6 +226,15 @@ def read_findings(path: Path, baseline: regression.Baseline) -> list[Finding]:
 
 def accepted(baseline: regression.Baseline, paths: Sequence[Path], reason: str) -> int:
     """Take the errors of the files of some studies over into a baseline, and return how many series that were.
+
+    Parameters
+    ----------
+    baseline : Baseline
+        Changed in memory alone.
+    paths : sequence of Path
+        Files of studies.
+    reason : str
+        Why the errors may change.
 
     Raises
     ------
@@ -236,7 +247,8 @@ def accepted(baseline: regression.Baseline, paths: Sequence[Path], reason: str) 
     for path in paths:
         tree = read_study(path)
         with damage(path):
-            count += _take_over(baseline, tree)
+            content = _understood(tree)
+        count += _take_over(baseline, tree.attrs["id"], content)
     with damage(paths[0]):
         newest = read_study(paths[0]).attrs
         entry = {"date": newest["date_created"], "commit": f"{newest['commit']} ({newest['commit_state']})", "reason": reason}
@@ -244,18 +256,17 @@ def accepted(baseline: regression.Baseline, paths: Sequence[Path], reason: str) 
     return count
 
 
-def _take_over(baseline: regression.Baseline, tree: xr.DataTree) -> int:
+def _take_over(baseline: regression.Baseline, study: str, content: Mapping[str, _Understood]) -> int:
     count = 0
-    for solver, dataset in solvers(tree):
-        skipped = {(case, refinement) for case, refinement, entry in criteria(dataset) if without_baseline([entry])}
-        for (case, refinement), levels in series_of(dataset).items():
+    for solver, stored in content.items():
+        skipped = {(case, refinement) for case, refinement, entry in stored.declared if without_baseline([entry])}
+        for (case, refinement), seen in stored.seen.items():
             if (case, refinement) in skipped:
                 continue
-            seen = evidence(dataset, levels)
             failed = [outcome for outcome in seen.outcomes if outcome != "completed"]
             if failed or not all(np.isfinite(table).all() for table in seen.error.values()):
-                where = f"{tree.attrs['id']}/{case}/{solver} ({refinement})"
+                where = f"{study}/{case}/{solver} ({refinement})"
                 raise UsageError(f"{where} did not complete on every level: a baseline takes finished runs alone")
-            baseline.updated(tree.attrs["id"], solver, case, refinement, seen)
+            baseline.updated(study, solver, case, refinement, seen)
             count += 1
     return count

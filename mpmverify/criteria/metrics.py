@@ -1,0 +1,28 @@
+"""What was measured on the runs of a series, by name."""
+
+from collections.abc import Mapping
+
+from mpmverify.problem import Array
+
+HISTORIES: Mapping[str, str] = {
+    "mass_defect": "the history 'mass', with 'inflow' where a scalar has open ends",
+    "momentum_defect": "the histories 'momentum' and 'impulse'",
+    "energy_drift": "the histories 'kinetic_energy', 'strain_energy' and 'external_work'",
+    "energy_rise": "the histories 'kinetic_energy', 'strain_energy' and 'external_work'",
+}
+"""What a solver must return for a metric that does not name its field itself."""
+
+
+class Metrics(dict[str, Array]):
+    """Metrics (n,) by name; one that was not measured is a `KeyError` that says what it is made of."""
+
+    def __missing__(self, name: str) -> Array:
+        raise NotMeasuredError(name)
+
+
+class NotMeasuredError(KeyError):
+    """The name of a metric that no run of a series has."""
+
+    def __str__(self) -> str:
+        (name,) = self.args
+        return f"{name!r}, made of {HISTORIES[name]}," if name in HISTORIES else repr(name)
