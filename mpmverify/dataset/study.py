@@ -212,11 +212,12 @@ def _histories(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
         variables[f"history_{name}"] = ("obs", np.concatenate(columns), attributes)
     return xr.Dataset(
         variables,
+        # Not "series", which a solver's fits are of: those of its series that left no run to show have no histories.
         coords={
-            "case": ("series", text([shot.case for shot in shots])),
-            "refinement": ("series", text([shot.refinement for shot in shots])),
+            "case": ("shown", text([shot.case for shot in shots])),
+            "refinement": ("shown", text([shot.refinement for shot in shots])),
             "row_size": (
-                "series",
+                "shown",
                 np.array([len(shot.histories["time"]) for shot in shots]),
                 {"units": "1", "long_name": "samples of the history", "sample_dimension": "obs"},
             ),
