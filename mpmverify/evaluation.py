@@ -14,12 +14,13 @@ import numpy as np
 from mpmverify.dataset.content import digest, in_library
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.level import Level, Snapshots
-from mpmverify.dataset.runs import HISTORY_UNITS, read_run, write_run
+from mpmverify.dataset.runs import read_run, write_run
 from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.gate import Criterion, Setting
 from mpmverify.norms import errors
 from mpmverify.problem import Discretisation
+from mpmverify.quantities import components, history_units
 from mpmverify.solution import Outcome, Solution, Solver, Status
 
 SNAPSHOT_OUTPUTS = 32
@@ -143,10 +144,16 @@ def _contradiction(task: Task, solution: Any) -> str:
         return f"it returned {type(solution).__name__} instead of a Solution"
     if wrong := solution.inconsistency():
         return f"it returned an inconsistent solution: {wrong}"
-    if unknown := sorted(solution.histories.keys() - HISTORY_UNITS.keys()):
-        return f"it returned the unknown history {unknown[0]!r}: known are {', '.join(HISTORY_UNITS)}"
-    if solution.reference.shape[1] != task.problem.problem.dimension:
-        return f"its points have {solution.reference.shape[1]} coordinates in {task.problem.problem.dimension} dimensions"
+    dimension = task.problem.problem.dimension
+    if solution.reference.shape[1] != dimension:
+        return f"its points have {solution.reference.shape[1]} coordinates in {dimension} dimensions"
+    known = history_units(dimension)
+    if unknown := sorted(solution.histories.keys() - known.keys()):
+        return f"it returned the unknown history {unknown[0]!r}: known are {', '.join(known)}"
+    for quantity, values in solution.fields.items():
+        names = components(quantity, dimension)
+        if values.shape[2] != len(names):
+            return f"its {quantity} has {values.shape[2]} components instead of {', '.join(names)}"
     if not (_is_number(solution.dt) and math.isfinite(solution.dt) and solution.dt > 0):
         return f"its time step dt is {solution.dt!r}, which is not positive and finite"
     for name, value in dataclasses.asdict(solution.work).items():
@@ -177,9 +184,10 @@ def _breach(task: Task, solution: Solution) -> str:
             return f"it reports completion, but its last {what} is at {times[-1]:.12g} s and the final time is {end:.12g} s"
     if np.any(solution.weight < 0):
         return f"its weights are negative, down to {np.min(solution.weight):g}"
-    covered, measure = float(np.sum(solution.weight[0])), math.prod(problem.lengths)
+    covered, measure = float(np.sum(solution.weight[0])), problem.measure
     if abs(covered - measure) > 1e-6 * measure:
-        return f"its first weights sum to {covered:.9g}, and the measure of the box is {measure:.9g}"
+        what = "box" if problem.shape is None else "body"
+        return f"its first weights sum to {covered:.9g}, and the measure of the {what} is {measure:.9g}"
     return ""
 
 

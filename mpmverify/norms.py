@@ -5,6 +5,7 @@ import numpy as np
 from mpmverify.errors import UsageError
 from mpmverify.exact import ExactSolution
 from mpmverify.problem import Array
+from mpmverify.quantities import multiplicity
 from mpmverify.solution import Solution
 
 NORMS = ("L1", "L2", "Linf", "L2-max")
@@ -52,6 +53,9 @@ def norms(values: Array, weight: Array) -> Array:
 def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, Array]]:
     """Norms of the error and of the exact field, by quantity that both sides have.
 
+    The size of a vector or tensor at a point is its Euclidean one, over all entries of the tensor: a component off the diagonal of
+    a stress counts twice.
+
     Returns
     -------
     dict of str to (Array, Array)
@@ -70,12 +74,13 @@ def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, A
         if quantity in solution.fields:
             expected = closed_form(solution.reference, solution.time)
             found = solution.fields[quantity].shape
-            if found != expected.shape or found[:2] != samples:
+            entries = np.sqrt(multiplicity(quantity, solution.reference.shape[1]))
+            if not found == expected.shape == (*samples, len(entries)):
                 raise UsageError(
-                    f"a solver must return {quantity} as (T, P, components) = {(*samples, *expected.shape[2:])}, not {found}"
+                    f"a solver must return {quantity} as (T, P, components) = {(*samples, len(entries))}, not {found}"
                 )
             table[quantity] = (
-                norms(solution.fields[quantity] - expected, solution.weight),
-                norms(expected, solution.weight),
+                norms((solution.fields[quantity] - expected) * entries, solution.weight),
+                norms(expected * entries, solution.weight),
             )
     return table

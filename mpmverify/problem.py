@@ -3,48 +3,60 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpmverify.boundary import (
+    Absorbing,
+    BoundaryCondition,
+    Constant,
+    Fixed,
+    History,
+    Inflow,
+    Outflow,
+    Periodic,
+    Traction,
+    Velocity,
+)
 from mpmverify.errors import UsageError
+from mpmverify.quantities import UNITS, Array, components
+from mpmverify.shapes import Disk, Ring, Shape
 
-Array = NDArray[np.float64]
+__all__ = [
+    "UNITS",
+    "Absorbing",
+    "Array",
+    "BodyForce",
+    "BoundaryCondition",
+    "Constant",
+    "Discretisation",
+    "Disk",
+    "Field",
+    "Fixed",
+    "History",
+    "Inflow",
+    "LinearElastic",
+    "Material",
+    "NeoHookean",
+    "Outflow",
+    "Periodic",
+    "Problem",
+    "Ring",
+    "Shape",
+    "Traction",
+    "Transport",
+    "Velocity",
+    "components",
+    "output_steps",
+    "require",
+]
+
 Field = Callable[[Array], Array]
 """Initial field: reference positions (P, dim) [m] -> values (P, components)."""
 BodyForce = Callable[[Array, Array], Array]
 """Body force: reference positions (P, dim) [m], times (T,) [s] -> acceleration (T, P, dim) [m/s^2]."""
-
-UNITS: Mapping[str, str] = {
-    "u": "1",
-    "displacement": "m",
-    "velocity": "m s-1",
-    "stress": "Pa",
-}
-"""Unit of every quantity that a solver may return (UDUNITS spelling)."""
-
-
-class History(Protocol):
-    """A datum in time, with its integral from 0: both (T,) -> (T,)."""
-
-    def __call__(self, t: Array) -> Array: ...
-
-    def integral(self, t: Array) -> Array: ...
-
-
-@dataclass(frozen=True)
-class Constant:
-    """The same value at all times (a `History`)."""
-
-    value: float = 0.0
-
-    def __call__(self, t: Array) -> Array:
-        return np.full_like(t, self.value, dtype=float)
-
-    def integral(self, t: Array) -> Array:
-        return self.value * np.asarray(t, dtype=float)
-
 
 # Materials: parameters only. Every solver family has its own constitutive law.
 
@@ -118,57 +130,24 @@ class LinearElastic:
 
 @dataclass(frozen=True)
 class NeoHookean(LinearElastic):
-    """Compressible neo-Hookean body, P = lambda ln(F)/F + mu (F - 1/F) in one dimension; parameters as at small strain."""
+    """Compressible neo-Hookean body; parameters as at small strain.
+
+    Notes
+    -----
+    W = mu/2 (tr F^T F - 3 - 2 ln J) + lambda/2 (ln J)^2 per reference volume, so that
+
+        P = lambda ln(J) F^-T + mu (F - F^-T),    sigma = [lambda ln(J) I + mu (F F^T - I)]/J,
+
+    in plane strain with F_33 = 1. In one dimension, where strain is uniaxial, both are lambda ln(F)/F + mu (F - 1/F).
+    """
 
 
 Material = Transport | LinearElastic
 
 
-# Boundary conditions, one per face of the box; a tensile traction is positive.
-
-
-@dataclass(frozen=True)
-class Traction:
-    """Prescribed normal traction p(t) [Pa]; `Constant(0)` is a free surface."""
-
-    value: History = Constant()
-
-
-@dataclass(frozen=True)
-class Velocity:
-    """Prescribed normal velocity along the axis [m/s]; `Constant(0)` is a fixed end."""
-
-    value: History = Constant()
-
-
-@dataclass(frozen=True)
-class Absorbing:
-    """No incoming characteristic."""
-
-
-@dataclass(frozen=True)
-class Inflow:
-    """Prescribed value of the transported scalar where the velocity points inwards."""
-
-    value: History = Constant()
-
-
-@dataclass(frozen=True)
-class Outflow:
-    """Nothing prescribed: the transported scalar leaves."""
-
-
-@dataclass(frozen=True)
-class Periodic:
-    """Joined to the opposite face."""
-
-
-BoundaryCondition = Traction | Velocity | Absorbing | Inflow | Outflow | Periodic
-
-
 @dataclass(frozen=True)
 class Problem:
-    """An initial-boundary-value problem on a box.
+    """An initial-boundary-value problem on a box, in plane strain where it has two dimensions.
 
     Parameters
     ----------
@@ -177,22 +156,26 @@ class Problem:
     lower, upper : tuple of float
         Corners of the box, one entry per dimension [m].
     material : Material
-        What fills the box.
+        Of the body.
     boundary : mapping of str to BoundaryCondition
         One condition for each of the faces "x-", "x+", "y-", ...
     end_time : float
         Final time [s]; the problem starts at 0.
     initial : mapping of str to Field
-        Initial fields by quantity; an absent one is zero.
+        Initial fields by quantity, one of those of `Solution`; an absent one is zero. A body that is strained at first has its
+        displacement, its displacement gradient and its stress.
     body_force : BodyForce, optional
         In material coordinates [m/s^2].
     outputs : int
         Number of output intervals; a solver that takes fewer steps returns every step.
+    shape : Shape, optional
+        What the body fills of the box at first, all of it by default. Its surface is free but where it touches a face of the box.
 
     Raises
     ------
     UsageError
-        If the box is empty, a face lacks its condition, the final time is not positive and finite or there is no output interval.
+        If the box is empty, a face lacks its condition, the final time is not positive and finite, there is no output interval, an
+        initial quantity is unknown, or the shape does not lie in a box of two dimensions.
     """
 
     name: str
@@ -204,6 +187,7 @@ class Problem:
     initial: Mapping[str, Field] = field(default_factory=dict)
     body_force: BodyForce | None = None
     outputs: int = 32
+    shape: Shape | None = None
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.end_time) and self.end_time > 0):
@@ -211,11 +195,17 @@ class Problem:
         if self.outputs < 1:
             raise UsageError(f"problem {self.name!r}: there must be at least 1 output interval, not {self.outputs!r}")
         ordered = all(lo < hi for lo, hi in zip(self.lower, self.upper, strict=False))
-        if not (ordered and 1 <= len(self.lower) == len(self.upper)):
-            raise UsageError(f"problem {self.name!r}: give the box a side, and upper bounds above its lower bounds")
+        if not (ordered and 1 <= len(self.lower) == len(self.upper) <= 3):
+            raise UsageError(
+                f"problem {self.name!r}: give the box a side, at most three, and upper bounds above its lower bounds"
+            )
         faces = {axis + side for axis in "xyz"[: self.dimension] for side in "-+"}
         if set(self.boundary) != faces:
             raise UsageError(f"problem {self.name!r}: give one boundary condition for each of {', '.join(sorted(faces))}")
+        if unknown := sorted(self.initial.keys() - UNITS.keys()):
+            raise UsageError(f"problem {self.name!r}: the initial {unknown[0]!r} is unknown: known are {', '.join(UNITS)}")
+        if self.shape is not None and not (self.dimension == 2 and self.shape.within(self.lower, self.upper)):
+            raise UsageError(f"problem {self.name!r}: {self.shape!r} must lie in a box of two dimensions: enlarge or move it")
 
     @property
     def dimension(self) -> int:
@@ -225,11 +215,17 @@ class Problem:
     def lengths(self) -> tuple[float, ...]:
         return tuple(hi - lo for lo, hi in zip(self.lower, self.upper, strict=True))
 
-    def initial_field(self, quantity: str, points: Array, components: int = 1) -> Array:
+    @property
+    def measure(self) -> float:
+        """Length, area or volume of the body at first [m^dim]."""
+        return math.prod(self.lengths) if self.shape is None else self.shape.measure
+
+    def initial_field(self, quantity: str, points: Array) -> Array:
         """Initial values of a quantity at reference positions (P, dim), (P, components)."""
+        shape = len(points), len(components(quantity, self.dimension))
         if quantity in self.initial:
-            return np.asarray(self.initial[quantity](points), dtype=float).reshape(len(points), components)
-        return np.zeros((len(points), components))
+            return np.asarray(self.initial[quantity](points), dtype=float).reshape(shape)
+        return np.zeros(shape)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Studies from declaration to judged dataset; what is already solved is not solved again."""
 
 import json
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ from mpmverify.dataset.files import Results, check_ours
 from mpmverify.errors import ResultsError
 from mpmverify.evaluation import Evaluated, Task, run_key
 from mpmverify.gate import Finding
+from mpmverify.problem import Discretisation, Problem
 from mpmverify.study import Study
 
 SHOWN_POINTS = 160
@@ -63,8 +65,7 @@ def tasks_of(study: Study, plan: Plan) -> list[Task]:
     table: list[Task] = []
     for case, series in study.series():
         levels = series.refinement.tier(plan.tier)
-        side = case.problem.problem.lengths[0]
-        fitting = [k for k, level in enumerate(levels) if side / level.h * level.ppc <= SHOWN_POINTS]
+        fitting = [k for k, level in enumerate(levels) if _points(case.problem.problem, level) <= SHOWN_POINTS]
         shown = max(fitting, default=0)
         for k, level in enumerate(levels):
             task = Task(
@@ -141,7 +142,12 @@ def _evaluate(tasks: list[Task], plan: Plan) -> Iterator[tuple[Task, Evaluated]]
 
 def _cost(task: Task) -> float:
     problem, level = task.problem.problem, task.discretisation
-    return level.time_steps(problem)[0] * level.cells(problem)[0] * level.ppc
+    return level.time_steps(problem)[0] * _points(problem, level)
+
+
+def _points(problem: Problem, level: Discretisation) -> int:
+    """Cells times particles per cell."""
+    return math.prod(level.cells(problem)) * level.ppc**problem.dimension
 
 
 def _inputs(study: Study, plan: Plan, tasks: Sequence[Task]) -> str:

@@ -7,7 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from mpmverify.problem import UNITS, Array, Discretisation, Problem
+from mpmverify.problem import Array, Discretisation, Problem
+from mpmverify.quantities import UNITS
 
 
 class Status(StrEnum):
@@ -81,21 +82,27 @@ class Solution:
     position : Array
         Current positions (T, P, dim) [m].
     weight : Array
-        Quadrature weights (T, P) [m^dim], not negative. The first row sums to the measure of the box; later rows may be the same
-        or the current volumes V0 F.
+        Quadrature weights (T, P) [m^dim], not negative. The first row sums to the measure of the body; later rows may be the same
+        or the current volumes V0 J.
     fields : mapping of str to Array
-        (T, P, components) by quantity, all synchronous with `time`; one component in one dimension. Known are "u", the transported
-        scalar [1], "displacement", current minus reference position [m], "velocity" [m/s], and "stress", which is the Cauchy stress,
-        positive in tension [Pa].
+        (T, P, components) by quantity, all synchronous with `time`. Known are
+
+        - "u", the transported scalar [1];
+        - "displacement", current minus reference position [m], and "velocity" [m/s], of `dim` components;
+        - "stress" [Pa], the Cauchy stress at the material point, positive in tension: xx, yy, xy in two dimensions, without the
+          out-of-plane component of plane strain, and xx, yy, zz, xy, yz, zx in three;
+        - "displacement_gradient" [1], du_i/dX_j = F - I, row by row.
     histories : mapping of str to Array
-        (N + 1,) by name, from the start to the end of every step, per unit cross-section; "time" [s], from 0 to the final time, is
-        among them. What else may be there is listed below; a criterion that needs an absent one cannot pass.
+        (N + 1,) by name, from the start to the end of every step; "time" [s], from 0 to the final time, is among them. What else may
+        be there is listed below; a criterion that needs an absent one cannot pass.
     work : Work
     outcome : Outcome
 
     Notes
     -----
-    The histories of a body in one dimension, discrete sums of the scheme itself:
+    The histories of a body, discrete sums of the scheme itself, are per unit cross-section in one dimension, with the units below,
+    per unit thickness in two and of the whole body in three. Where there are several, a vector has one history for each component,
+    "momentum_x", "momentum_y" and so on:
 
     - "mass" [kg/m^2] and "momentum" [kg/(m s)], of all nodes or particles;
     - "impulse" [kg/(m s)], the integral in time from 0, by the quadrature of the scheme, of all external forces: tractions, the

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from .record import Array, Series
 
-BALANCES = (("momentum", "impulse"), ("mass", "inflow"))
+BALANCES = (*((f"momentum{of}", f"impulse{of}") for of in ("", "_x", "_y", "_z")), ("mass", "inflow"))
 """(stock, what may change it)."""
 
 
@@ -47,7 +47,8 @@ def balances(series: Series) -> Iterator[Balance]:
         change = history[stock] - history[stock][0]
         given = history[source] - history[source][0] if source in history else 0.0 * change
         curves = {stock: history[stock], source: history[stock][0] + given} if given.any() else {stock: history[stock]}
-        if given.any() or stock == "momentum":
-            yield Balance(stock.capitalize(), stock, units[stock], curves)
-        title = f"{stock.capitalize()} less {source}" if given.any() else f"Change of {stock}"
+        name = stock.replace("_", " ")
+        if given.any() or stock.startswith("momentum"):
+            yield Balance(name.capitalize(), name, units[stock], curves)
+        title = f"{name.capitalize()} less {source.replace('_', ' ')}" if given.any() else f"Change of {name}"
         yield Balance(title, "defect", units[stock], {"defect": change - given})

@@ -67,8 +67,10 @@ def _cases(column: Mapping[str, np.ndarray]) -> Iterator[Case]:
 def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]:
     column = _columns(group)
     units, bands, judged = _units(group), _bands(column), _judged(column, study, solver)
+    # Profiles are drawn over one coordinate: fields in the plane and in space stay in the file.
     profiles = _profiles(group.groups["snapshots"]) if "snapshots" in group.groups else {}
-    histories = _histories(group.groups["histories"]) if "histories" in group.groups else {}
+    kept = [part for name, part in group.groups.items() if name.startswith("histories")]
+    histories = {identity: table for part in kept for identity, table in _histories(part).items()}
     members: dict[tuple[str, str], list[int]] = {}
     for index, identity in enumerate(zip(column["case"].tolist(), column["refinement"].tolist(), strict=True)):
         members.setdefault(identity, []).append(index)

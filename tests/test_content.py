@@ -22,7 +22,8 @@ from mpmverify.dataset.content import digest
 from mpmverify.errors import UsageError
 from mpmverify.evaluation import run_key
 from mpmverify.exact.advection import Gaussian, PeriodicImages, advection
-from mpmverify.problem import Discretisation, Inflow, Outflow, Transport
+from mpmverify.exact.ring import expanding_ring
+from mpmverify.problem import Discretisation, Disk, Inflow, Outflow, Ring, Transport
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 
 PROBLEM = advection(Gaussian())
@@ -61,7 +62,15 @@ def test_every_field_of_the_problem_changes_the_key(change):
 
 def test_no_field_of_the_problem_is_left_out_above():
     cases = next(mark for mark in test_every_field_of_the_problem_changes_the_key.pytestmark if mark.name == "parametrize")
-    assert {name for change in cases.args[1] for name in change} == {f.name for f in dataclasses.fields(PROBLEM.problem)}
+    changed = {name for change in cases.args[1] for name in change} | {"shape"}
+    assert changed == {f.name for f in dataclasses.fields(PROBLEM.problem)}
+
+
+def test_the_shape_of_the_body_changes_the_key():
+    ring = expanding_ring()
+    shapes = (ring.problem.shape, None, Ring((0.0, 0.0), 0.4, 0.7), Ring((0.1, 0.0), 0.4, 0.6), Disk((0.0, 0.0), 0.6))
+    others = [dataclasses.replace(ring, problem=dataclasses.replace(ring.problem, shape=shape)) for shape in shapes]
+    assert len({run_key(other, TaylorGalerkin(), LEVEL) for other in others}) == len(shapes)
 
 
 def test_solver_and_discretisation_change_the_key():

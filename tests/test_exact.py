@@ -16,6 +16,7 @@ from mpmverify.exact.driven_bar import driven_bar
 from mpmverify.exact.elastic_bar import RampLoad, SineLoad, SmoothPulse, StepLoad, elastic_bar
 from mpmverify.exact.manufactured import manufactured
 from mpmverify.exact.open_bar import open_bar
+from mpmverify.exact.steffen import steffen
 from mpmverify.exact.vibration import axial_vibration
 from mpmverify.problem import Absorbing, Inflow, LinearElastic, NeoHookean, Periodic, Traction, Transport, Velocity
 
@@ -70,6 +71,7 @@ CASES = {
         (),
         1.0,
     ),
+    "steffen": (steffen(), 0.1, (), 1.0),
 }
 every_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
 every_problem = pytest.mark.parametrize("verification", [case[0] for case in CASES.values()], ids=CASES.keys())

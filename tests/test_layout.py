@@ -21,7 +21,7 @@ MAPPED = {
 """Folder of each part of the one import namespace."""
 LAYERS = (
     {"errors"},
-    {"atomic", "problem", "verdict"},
+    {"atomic", "quantities", "shapes", "boundary", "problem", "verdict"},
     {"solution", "waves"},
     {"exact", "norms", "convergence", "gate", "baseline", "criteria", "synthetic", "axis", "superposition", "separation"},
     {"study"},

@@ -446,3 +446,14 @@ def test_one_process_and_two_give_the_same_study(tmp_path):
         mine, theirs = (evaluation.read_run(Results(tmp_path / str(jobs)).run(key), key) for jobs in (0, 2))
         for name, values in mine.arrays().items():
             np.testing.assert_array_equal(values, theirs.arrays()[name])
+
+
+def test_a_series_that_leaves_no_run_to_show_spoils_no_other_of_its_solver(tmp_path):
+    solver = Scripted("raises", below=0.05)
+    coarse = halving(1.0, 8, quick=2, full=2, courant=0.5)
+    fine = halving(1.0, 32, quick=1, full=1, courant=0.4)
+    series = tuple(Series(solver, refinement, SECOND_ORDER[1:]) for refinement in (coarse, fine))
+    declared = Study("scripted", "Scripted", "One good series.", (Case("hill", advection(Gaussian(width=0.2)), series, "u"),))
+    entry = judged_once(declared, tmp_path)
+    assert verdicts(entry) == [Verdict.PASS, Verdict.ERROR]
+    assert read_study(Results(tmp_path).study("scripted"))["scripted-raises/histories"].sizes["shown"] == 1

@@ -8,7 +8,7 @@ import numpy as np
 from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
 from mpmverify.criteria.judging import are_sizes, judge_largest, relative_defect
 from mpmverify.gate import Evidence, Judgement, Setting, Verdict
-from mpmverify.problem import Array, LinearElastic
+from mpmverify.problem import Array, LinearElastic, components
 from mpmverify.solution import Solution
 
 
@@ -16,12 +16,13 @@ from mpmverify.solution import Solution
 class Balance:
     """A history equals its source term to round-off: mass is constant, momentum changes by the impulse.
 
-    The mass of a body is that of its reference density; other stocks are what they are at first.
+    The mass of a body is that of its reference density; other stocks are what they are at first. A vector balances in every
+    component.
 
     Parameters
     ----------
     stock : str
-        History, such as "momentum".
+        History, such as "momentum", whatever the number of its components.
     source_term : str
         History that accounts for its change, such as "impulse"; "" when nothing may change it.
     source : str
@@ -48,13 +49,15 @@ class Balance:
         return f"{self.stock}_defect"
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        if not {self.stock, self.source_term or self.stock} <= solution.histories.keys():
-            return {}
-        stock = solution.histories[self.stock]
-        change = solution.histories[self.source_term] if self.source_term else np.zeros_like(stock)
         problem = setting.problem.problem
+        stocks = components(self.stock, problem.dimension)
+        changes = components(self.source_term, problem.dimension) if self.source_term else ()
+        if not {*stocks, *changes} <= solution.histories.keys():
+            return {}
+        stock = np.array([solution.histories[name] for name in stocks]).T
+        change = np.array([solution.histories[name] for name in changes]).T if changes else np.zeros_like(stock)
         body = problem.material if self.stock == "mass" else None
-        start = body.density * np.prod(problem.lengths) if isinstance(body, LinearElastic) else stock[0]
+        start = body.density * problem.measure if isinstance(body, LinearElastic) else stock[0]
         defect = stock - start - (change - change[0])
         scales = [np.max(np.abs(stock)), np.max(np.abs(change))]
         if self.stock == "momentum" and {"mass", "kinetic_energy"} <= solution.histories.keys():

@@ -37,7 +37,7 @@ class Amplification:
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         problem = setting.problem.problem
-        if "u" not in solution.fields or not isinstance(problem.material, Transport):
+        if "u" not in solution.fields or problem.dimension != 1 or not isinstance(problem.material, Transport):
             return {}
         steps = np.round(solution.time / solution.dt)
         modes = np.fft.rfft(solution.fields["u"][:, :, 0], axis=1)

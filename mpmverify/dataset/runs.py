@@ -1,6 +1,5 @@
 """One finished run as one netCDF file."""
 
-from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import netCDF4
@@ -10,27 +9,12 @@ from mpmverify.atomic import write_atomic
 from mpmverify.dataset import provenance
 from mpmverify.dataset.files import check_ours
 from mpmverify.errors import ResultsError
-from mpmverify.problem import UNITS, Array
+from mpmverify.problem import Array
+from mpmverify.quantities import UNITS, components, history_units, unit
 from mpmverify.solution import Outcome, Solution, Status, Work
 
-HISTORY_UNITS = {
-    "time": "s",
-    "mass": "kg m-2",
-    "momentum": "kg m-1 s-1",
-    "impulse": "kg m-1 s-1",
-    "kinetic_energy": "J m-2",
-    "strain_energy": "J m-2",
-    "external_work": "J m-2",
-    "inflow": "m",
-}
-"""Units of the histories of a body, which are per unit cross-section; see `history_units` for those of a transported scalar."""
 COMPRESSED = 2**15
 """Smaller arrays are written as they are: compression costs more time than it saves space."""
-
-
-def history_units(quantities: Iterable[str]) -> Mapping[str, str]:
-    """Units of histories by name; the mass of a transported scalar u, which has no dimension, is its integral in m."""
-    return HISTORY_UNITS | ({"mass": "m"} if "u" in quantities else {})
 
 
 def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
@@ -67,10 +51,11 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
                     "seconds": solution.work.seconds,
                 }
             )
+            dimension = solution.reference.shape[1]
             sizes = {
                 "time": len(solution.time),
                 "point": len(solution.reference),
-                "dimension": solution.reference.shape[1],
+                "dimension": dimension,
                 "step": len(solution.histories["time"]),
             }
             for name, size in sizes.items():
@@ -84,12 +69,12 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
             put("time", ("time",), solution.time, "s", "output time")
             put("reference", ("point", "dimension"), solution.reference, "m", "reference position of the sample points")
             put("position", ("time", "point", "dimension"), solution.position, "m", "current position of the sample points")
-            put("weight", ("time", "point"), solution.weight, "m", "quadrature weight of the sample points")
+            put("weight", ("time", "point"), solution.weight, unit("", dimension), "quadrature weight of the sample points")
             for quantity, values in solution.fields.items():
-                components = f"{quantity}_component"
-                file.createDimension(components, values.shape[2])
-                put(quantity, ("time", "point", components), values, UNITS[quantity], quantity)
-            units = history_units(solution.fields)
+                along, names = f"{quantity}_component", components(quantity, dimension)
+                file.createDimension(along, values.shape[2])
+                put(quantity, ("time", "point", along), values, UNITS[quantity], ", ".join(names).replace("_", " "))
+            units = history_units(dimension, transported="u" in solution.fields)
             for name, values in solution.histories.items():
                 put(f"history_{name}", ("step",), values, units[name], name.replace("_", " "))
 

@@ -20,13 +20,15 @@ DATUM: dict[type[BoundaryCondition], str] = {Traction: "Pa", Velocity: "m/s"}
 
 
 def statement(problem: Problem) -> dict[str, str]:
-    """Domain, material, final time and boundary conditions, by name."""
-    return {
+    """Domain, material, final time, boundary conditions and the body that does not fill its domain, by name."""
+    facts = {
         "domain": " x ".join(f"[{lo:g}, {hi:g}] m" for lo, hi in zip(problem.lower, problem.upper, strict=True)),
         "material": _value(problem.material),
         "wave speed": f"{problem.material.wave_speed:g} m/s",
         "final time": f"{problem.end_time:g} s",
-    } | {f"face {face}": _condition(problem.boundary[face]) for face in sorted(problem.boundary, key=_along)}
+        **({} if problem.shape is None else {"body": _value(problem.shape)}),
+    }
+    return facts | {f"face {face}": _condition(problem.boundary[face]) for face in sorted(problem.boundary, key=_along)}
 
 
 def _along(face: str) -> tuple[str, bool]:

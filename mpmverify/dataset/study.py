@@ -4,8 +4,10 @@ Layout
 ------
 /                    case metadata, provenance
 /<solver>            error(level, quantity, norm), absolute errors and exact norms by quantity, fits by series, verdicts by criterion
-/<solver>/snapshots  profiles of one level of each series: contiguous ragged arrays, one row an output time
+/<solver>/snapshots  fields of one level of each series: contiguous ragged arrays, one row an output time, one variable a component
 /<solver>/histories  energy, momentum, mass and impulse of the same runs: contiguous ragged arrays, one row a series
+
+Runs in two and three dimensions have components and units of their own: theirs are `snapshots_2d`, `histories_3d` and so on.
 """
 
 import dataclasses
@@ -21,13 +23,15 @@ from mpmverify.atomic import write_atomic
 from mpmverify.dataset import provenance
 from mpmverify.dataset.files import check_ours
 from mpmverify.dataset.level import Level, SeriesId, Snapshots
-from mpmverify.dataset.runs import history_units
 from mpmverify.dataset.statement import statement
 from mpmverify.dataset.tree import write_tree
 from mpmverify.errors import ResultsError
 from mpmverify.norms import NORMS
-from mpmverify.problem import UNITS, Array
+from mpmverify.quantities import UNITS, components, history_units
 from mpmverify.study import Study
+
+DIMENSIONS = {1: "", 2: "_2d", 3: "_3d"}
+"""Suffix of the groups that hold the runs in so many dimensions."""
 
 
 def build(
@@ -48,9 +52,10 @@ def build(
             solver=name, scheme=_describe(series.solver), orders=json.dumps(dict(series.solver.orders))
         )
         shown = [shot for (_, solver, _), shot in snapshots.items() if solver == name]
-        if shown:
-            groups[f"/{name}/snapshots"] = _profiles(shown)
-            groups[f"/{name}/histories"] = _histories(shown)
+        for dimension, suffix in DIMENSIONS.items():
+            if alike := [shot for shot in shown if shot.reference.shape[1] == dimension]:
+                groups[f"/{name}/snapshots{suffix}"] = _profiles(alike, dimension)
+                groups[f"/{name}/histories{suffix}"] = _histories(alike, dimension)
     return xr.DataTree.from_dict(groups)
 
 
@@ -154,27 +159,27 @@ def _levels(levels: Sequence[Level]) -> xr.Dataset:
     )
 
 
-def _profiles(shots: Sequence[Snapshots]) -> xr.Dataset:
-    quantities = list(dict.fromkeys(quantity for shot in shots for quantity in shot.fields))
+def _profiles(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
+    variables: dict[str, Any] = {}
 
-    def column(read: Any) -> Array:
-        return np.concatenate([np.asarray(read(shot), dtype=float).ravel() for shot in shots])
+    def put(quantity: str, suffix: str, read: Any, long_name: str, attributes: Mapping[str, str]) -> None:
+        names = components(quantity, dimension)
+        absent = [np.full((*shot.position.shape[:2], len(names)), np.nan) for shot in shots]
+        columns = [
+            np.asarray(read(shot, blank), dtype=float).reshape(-1, len(names))
+            for shot, blank in zip(shots, absent, strict=True)
+        ]
+        for name, values in zip(names, np.concatenate(columns).T, strict=True):
+            shown = name.replace(quantity, long_name).replace("_", " ")
+            variables[name + suffix] = ("obs", values, {**attributes, "long_name": shown})
 
-    def of(table: str, quantity: str) -> Array:
-        return column(lambda shot: getattr(shot, table).get(quantity, np.full(shot.position.shape[:2], np.nan)))
-
-    variables: dict[str, Any] = {
-        "reference": (
-            "obs",
-            column(lambda s: np.broadcast_to(s.reference, s.position.shape)),
-            {"units": "m", "long_name": "reference position"},
-        ),
-        "position": ("obs", column(lambda s: s.position), {"units": "m", "long_name": "current position"}),
-    }
-    for quantity in quantities:
-        attributes = {"units": UNITS[quantity], "coordinates": "time position"}
-        variables[quantity] = ("obs", of("fields", quantity), attributes | {"long_name": quantity})
-        variables[f"{quantity}_exact"] = ("obs", of("exact", quantity), attributes | {"long_name": f"exact {quantity}"})
+    put("reference", "", lambda s, _: np.broadcast_to(s.reference, s.position.shape), "reference position", {"units": "m"})
+    put("position", "", lambda s, _: s.position, "current position", {"units": "m"})
+    places = " ".join(("time", *components("position", dimension)))
+    for quantity in dict.fromkeys(quantity for shot in shots for quantity in shot.fields):
+        attributes = {"units": UNITS[quantity], "coordinates": places}
+        put(quantity, "", lambda s, blank, q=quantity: s.fields.get(q, blank), quantity, attributes)
+        put(quantity, "_exact", lambda s, blank, q=quantity: s.exact.get(q, blank), f"exact {quantity}", attributes)
     rows = [(shot, t) for shot in shots for t in shot.time]
     return xr.Dataset(
         variables,
@@ -192,21 +197,22 @@ def _profiles(shots: Sequence[Snapshots]) -> xr.Dataset:
     )
 
 
-def _histories(shots: Sequence[Snapshots]) -> xr.Dataset:
+def _histories(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
     names = list(dict.fromkeys(name for shot in shots for name in shot.histories))
     variables = {}
-    units = history_units(quantity for shot in shots for quantity in shot.fields)
+    units = history_units(dimension, transported=any("u" in shot.fields for shot in shots))
     for name in names:
         columns = [shot.histories.get(name, np.full(len(shot.histories["time"]), np.nan)) for shot in shots]
         attributes = {"units": units[name], "long_name": name.replace("_", " ")}
         variables[f"history_{name}"] = ("obs", np.concatenate(columns), attributes)
     return xr.Dataset(
         variables,
+        # Not "series", which a solver's fits are of: those of its series that left no run to show have no histories.
         coords={
-            "case": ("series", text([shot.case for shot in shots])),
-            "refinement": ("series", text([shot.refinement for shot in shots])),
+            "case": ("shown", text([shot.case for shot in shots])),
+            "refinement": ("shown", text([shot.refinement for shot in shots])),
             "row_size": (
-                "series",
+                "shown",
                 np.array([len(shot.histories["time"]) for shot in shots]),
                 {"units": "1", "long_name": "samples of the history", "sample_dimension": "obs"},
             ),

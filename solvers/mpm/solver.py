@@ -222,7 +222,7 @@ class MaterialPoint:
         (cells,) = discretisation.cells(problem)
         steps, dt = discretisation.time_steps(problem)
         particles = place_particles(problem, material.density, cells, discretisation)
-        for quantity in ("displacement", "stress"):
+        for quantity in ("displacement", "displacement_gradient", "stress"):
             given = problem.initial_field(quantity, particles.reference[:, None])
             require(not given.any(), self.name, problem, f"bodies without an initial {quantity}")
         scheme = Scheme(

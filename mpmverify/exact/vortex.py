@@ -1,0 +1,153 @@
+"""Generalised vortex: a neo-Hookean ring whose hoops turn by angles of their own."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpmverify.errors import UsageError
+from mpmverify.exact.motion import ForceOf, fields_of, pushed
+from mpmverify.exact.ring import radial
+from mpmverify.exact.solution import ExactSolution, VerificationProblem
+from mpmverify.problem import Array, Constant, NeoHookean, Problem, Ring, Traction
+
+CITATION = (
+    "Brannon R., Kamojjala K., Sadeghirad A. (2011). Establishing credibility of particle methods through verification testing. "
+    "Particles 2011; Kamojjala K., Brannon R., Sadeghirad A., Guilkey J. (2015). Verification tests in solid mechanics. "
+    "Engineering with Computers 31, 193-213, doi:10.1007/s00366-013-0342-x"
+)
+INNER, OUTER = 0.75, 1.25
+"""Radii between which the body turns [m]."""
+
+
+@dataclass(frozen=True)
+class Swirl:
+    """The rotation by alpha = A sin(pi t) h(R), h = 1 - 32 (R-1)^2 + 256 (R-1)^4, around the origin of the plane, a `Motion`.
+
+    Parameters
+    ----------
+    amplitude : float
+        A, the largest angle [rad].
+    material : NeoHookean
+    """
+
+    amplitude: float
+    material: NeoHookean
+
+    def angle(self, R: Array, t: Array) -> Array:
+        """Angle alpha (T, P, 1) [rad]."""
+        return self.amplitude * np.sin(np.pi * t[:, None, None]) * (1 - 32 * (R - 1) ** 2 + 256 * (R - 1) ** 4)
+
+    def rate(self, R: Array, t: Array) -> Array:
+        """alpha_t (T, P, 1) [rad/s]."""
+        return self.amplitude * np.pi * np.cos(np.pi * t[:, None, None]) * (1 - 32 * (R - 1) ** 2 + 256 * (R - 1) ** 4)
+
+    def twist(self, R: Array, t: Array) -> Array:
+        """alpha_R (T, P, 1) [rad/m]."""
+        return self.amplitude * np.sin(np.pi * t[:, None, None]) * (-64 * (R - 1) + 1024 * (R - 1) ** 3)
+
+    def twist_rate(self, R: Array, t: Array) -> Array:
+        """alpha_RR (T, P, 1) [rad/m^2]."""
+        return self.amplitude * np.sin(np.pi * t[:, None, None]) * (-64 + 3072 * (R - 1) ** 2)
+
+    def displacement(self, X: Array, t: Array) -> Array:
+        angle = self.angle(radial(X)[0], t)
+        return np.sin(angle) * quarter_turn(X) - 2 * np.sin(angle / 2) ** 2 * X
+
+    def velocity(self, X: Array, t: Array) -> Array:
+        return self.rate(radial(X)[0], t) * quarter_turn(X + self.displacement(X, t))
+
+    def gradient(self, X: Array, t: Array) -> Array:
+        """H = Q - I + alpha_R (k x Q X) e_R (T, P, 2, 2) [1], Q being the rotation by alpha and k normal to the plane."""
+        R, e = radial(X)
+        angle = self.angle(R, t)[..., None]
+        turn = np.sin(angle) * np.array([[0.0, -1.0], [1.0, 0.0]]) - 2 * np.sin(angle / 2) ** 2 * np.eye(2)
+        across = self.twist(R, t) * quarter_turn(X + self.displacement(X, t))
+        return turn + across[..., :, None] * e[:, None, :]
+
+    def force(self, X: Array, t: Array) -> Array:
+        """Body force (T, P, 2) [m/s^2].
+
+        b_r = -R alpha_t^2 + (mu/rho) R alpha_R^2 and b_theta = R alpha_tt - (mu/rho) (3 alpha_R + R alpha_RR), along the radius and
+        the hoop at the current place.
+        """
+        R, e = radial(X)
+        angle, twist, diffusivity = self.angle(R, t), self.twist(R, t), self.material.shear_modulus / self.material.density
+        b_r = R * (diffusivity * twist**2 - self.rate(R, t) ** 2)
+        b_theta = -(np.pi**2) * R * angle - diffusivity * (3 * twist + R * self.twist_rate(R, t))
+        e_r = np.cos(angle) * e + np.sin(angle) * quarter_turn(e)
+        return b_r * e_r + b_theta * quarter_turn(e_r)
+
+
+def quarter_turn(vector: Array) -> Array:
+    """Vectors (..., 2) turned by 90 degrees: k x v."""
+    return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
+
+
+def generalised_vortex(
+    amplitude: float = 1.0,
+    *,
+    youngs_modulus: float = 1000.0,
+    density: float = 1000.0,
+    poissons_ratio: float = 0.3,
+    end_time: float = 1.0,
+    outputs: int = 128,
+) -> VerificationProblem:
+    """Neo-Hookean ring in plane strain that is sheared by turning, without change of volume and without traction on its surfaces.
+
+    Parameters
+    ----------
+    amplitude : float
+        A, the largest angle [rad].
+    youngs_modulus, density, poissons_ratio : float
+        E [Pa], rho [kg/m^3], nu [1]; the default set, that of the literature, has mu = 384.615 Pa and lambda = 576.923 Pa.
+    end_time : float
+        [s]; the default is half a period, whose end is a zero of the displacement: judge the maximum over time.
+    outputs : int
+        Number of output intervals.
+
+    Raises
+    ------
+    UsageError
+        If A is zero or not finite; no angle changes the volume, J = 1.
+
+    Notes
+    -----
+    Along the radius and the hoop at the current place sigma_rr = 0, sigma_rtheta = mu R alpha_R and sigma_thetatheta =
+    mu (R alpha_R)^2: both surfaces, where alpha and alpha_R vanish, are free and stand still. The box is [-1.5, 1.5] x [-1.5, 1.5].
+
+    References
+    ----------
+    Brannon R., Kamojjala K., Sadeghirad A. (2011). Establishing credibility of particle methods through verification testing.
+    Particles 2011, II International Conference on Particle-Based Methods.
+    Kamojjala K., Brannon R., Sadeghirad A., Guilkey J. (2015). Verification tests in solid mechanics. Engineering with Computers
+    31, 193-213, https://doi.org/10.1007/s00366-013-0342-x
+    """
+    if not (math.isfinite(amplitude) and amplitude):
+        raise UsageError(f"the amplitude of the vortex must be finite and not zero, not {amplitude!r}")
+    motion = Swirl(amplitude, NeoHookean(youngs_modulus, density, poissons_ratio))
+    free = Traction(Constant(0.0))
+    return VerificationProblem(
+        problem=Problem(
+            name=f"generalised-vortex-{amplitude:g}",
+            lower=(-1.5, -1.5),
+            upper=(1.5, 1.5),
+            material=motion.material,
+            boundary={"x-": free, "x+": free, "y-": free, "y+": free},
+            end_time=end_time,
+            initial=pushed(motion),
+            body_force=ForceOf(motion),
+            outputs=outputs,
+            shape=Ring((0.0, 0.0), INNER, OUTER),
+        ),
+        exact=ExactSolution(fields=fields_of(motion), citation=CITATION),
+        exposes="Errors of shear and of large rotation, and a stress that is not objective.",
+        equations=(
+            r"\rho\, \dot{v} = \mathrm{div}\, \sigma + \rho b, \quad \sigma = \mu (F F^T - I), \quad J = 1",
+            r"\sigma_{rr} = 0, \quad \sigma_{r\theta} = \mu R\, \alpha_R, \quad \sigma_{\theta\theta} = \mu (R\, \alpha_R)^2",
+            rf"u(X,0) = 0, \quad v_\theta(R,0) = \pi A R\, h, \quad \sigma_{{rr}} = \sigma_{{r\theta}} = 0 \text{{ at }} R = {INNER}, {OUTER}",
+            r"b_r = -R\, \alpha_t^2 + \frac{\mu}{\rho} R\, \alpha_R^2",
+            r"b_\theta = R\, \alpha_{tt} - \frac{\mu}{\rho} (3 \alpha_R + R\, \alpha_{RR})",
+            r"\alpha = A \sin(\pi t)\, h(R), \quad h = 1 - 32 (R-1)^2 + 256 (R-1)^4, \quad r = R, \quad \theta = \theta_0 + \alpha",
+        ),
+    )
