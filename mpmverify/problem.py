@@ -9,6 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpmverify.errors import UsageError
+from mpmverify.material import LinearElastic as LinearElastic
+from mpmverify.material import Material as Material
+from mpmverify.material import NeoHookean as NeoHookean
+from mpmverify.material import Transport as Transport
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
@@ -44,84 +48,6 @@ class Constant:
 
     def integral(self, t: Array) -> Array:
         return self.value * np.asarray(t, dtype=float)
-
-
-# Materials: parameters only. Every solver family has its own constitutive law.
-
-
-@dataclass(frozen=True)
-class Transport:
-    """A scalar carried at a constant velocity: u_t + a u_x = 0.
-
-    Parameters
-    ----------
-    velocity : float
-        a [m/s].
-
-    Raises
-    ------
-    UsageError
-        If the velocity is not finite.
-    """
-
-    velocity: float
-
-    def __post_init__(self) -> None:
-        if not math.isfinite(self.velocity):
-            raise UsageError(f"the velocity of transport must be finite, not {self.velocity!r}")
-
-    @property
-    def wave_speed(self) -> float:
-        return abs(self.velocity)
-
-
-@dataclass(frozen=True)
-class LinearElastic:
-    """Isotropic linear elasticity at small strain, sigma = 2 G eps + lambda tr(eps) I.
-
-    Parameters
-    ----------
-    youngs_modulus : float
-        E [Pa].
-    density : float
-        Reference density rho0 [kg/m^3].
-    poissons_ratio : float
-        nu [1]; 0 makes a one-dimensional body a slender bar.
-
-    Raises
-    ------
-    UsageError
-        If E or rho0 is not positive and finite, or nu does not lie in (-1, 1/2).
-    """
-
-    youngs_modulus: float
-    density: float
-    poissons_ratio: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not (0 < self.youngs_modulus < math.inf and 0 < self.density < math.inf and -1 < self.poissons_ratio < 0.5):
-            raise UsageError(f"Young's modulus and density must be positive and finite, and -1 < nu < 1/2: {self!r}")
-
-    @property
-    def shear_modulus(self) -> float:
-        return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
-
-    @property
-    def lame_lambda(self) -> float:
-        nu = self.poissons_ratio
-        return self.youngs_modulus * nu / ((1 + nu) * (1 - 2 * nu))
-
-    @property
-    def wave_speed(self) -> float:
-        return math.sqrt((self.lame_lambda + 2 * self.shear_modulus) / self.density)
-
-
-@dataclass(frozen=True)
-class NeoHookean(LinearElastic):
-    """Compressible neo-Hookean body, P = lambda ln(F)/F + mu (F - 1/F) in one dimension; parameters as at small strain."""
-
-
-Material = Transport | LinearElastic
 
 
 # Boundary conditions, one per face of the box; a tensile traction is positive.
