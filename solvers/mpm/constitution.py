@@ -252,7 +252,7 @@ def energy(law: int, lame: float, shear: float, F: Tensor) -> float:
         return 0.5 * lame * log(J) ** 2 - shear * log(J) + 0.5 * shear * (trace(b) - dimension(b))
     if law == NEO_HOOKEAN_SPLIT:
         bulk = lame + 2 * shear / 3
-        return 0.5 * bulk * (0.5 * (J * J - 1) - log(J)) + 0.5 * shear * (J ** (-2 / 3) * trace(b) - dimension(b))
+        return 0.5 * bulk * (0.5 * (J * J - 1) - log(J)) + 0.5 * shear * (J ** (-2 / 3) * (trace(b) + 3 - dimension(b)) - 3)
     if law == HENCKY:
         strain = logarithm(b, J)
         return 0.5 * lame * log(J) ** 2 + 0.25 * shear * ddot(strain, strain)
