@@ -220,7 +220,7 @@ def interpolated_logarithm(b: Symmetric) -> Symmetric:
     """
     x, y, z = eigenvalues(b)
     xy, yz = divided_difference(x, y), divided_difference(y, z)
-    xyz = (xy - yz) / (x - z) if x > z else -0.5 / (x * x)
+    xyz = (xy - yz) / (x - z) if x > z else 0.0  # b - x I vanishes with x - z
     return combined(xyz, squared(b), 1.0, shifted(log(x) - x * xy + x * y * xyz, xy - (x + y) * xyz, b))
 
 
