@@ -21,6 +21,7 @@ from mpmverify.boundary import (
     Velocity,
 )
 from mpmverify.errors import UsageError
+from mpmverify.material import LinearElastic, Material, NeoHookean, Transport
 from mpmverify.quantities import UNITS, Array, components
 from mpmverify.shapes import Disk, Ring, Shape
 
@@ -57,92 +58,6 @@ Field = Callable[[Array], Array]
 """Initial field: reference positions (P, dim) [m] -> values (P, components)."""
 BodyForce = Callable[[Array, Array], Array]
 """Body force: reference positions (P, dim) [m], times (T,) [s] -> acceleration (T, P, dim) [m/s^2]."""
-
-# Materials: parameters only. Every solver family has its own constitutive law.
-
-
-@dataclass(frozen=True)
-class Transport:
-    """A scalar carried at a constant velocity: u_t + a u_x = 0.
-
-    Parameters
-    ----------
-    velocity : float
-        a [m/s].
-
-    Raises
-    ------
-    UsageError
-        If the velocity is not finite.
-    """
-
-    velocity: float
-
-    def __post_init__(self) -> None:
-        if not math.isfinite(self.velocity):
-            raise UsageError(f"the velocity of transport must be finite, not {self.velocity!r}")
-
-    @property
-    def wave_speed(self) -> float:
-        return abs(self.velocity)
-
-
-@dataclass(frozen=True)
-class LinearElastic:
-    """Isotropic linear elasticity at small strain, sigma = 2 G eps + lambda tr(eps) I.
-
-    Parameters
-    ----------
-    youngs_modulus : float
-        E [Pa].
-    density : float
-        Reference density rho0 [kg/m^3].
-    poissons_ratio : float
-        nu [1]; 0 makes a one-dimensional body a slender bar.
-
-    Raises
-    ------
-    UsageError
-        If E or rho0 is not positive and finite, or nu does not lie in (-1, 1/2).
-    """
-
-    youngs_modulus: float
-    density: float
-    poissons_ratio: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not (0 < self.youngs_modulus < math.inf and 0 < self.density < math.inf and -1 < self.poissons_ratio < 0.5):
-            raise UsageError(f"Young's modulus and density must be positive and finite, and -1 < nu < 1/2: {self!r}")
-
-    @property
-    def shear_modulus(self) -> float:
-        return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
-
-    @property
-    def lame_lambda(self) -> float:
-        nu = self.poissons_ratio
-        return self.youngs_modulus * nu / ((1 + nu) * (1 - 2 * nu))
-
-    @property
-    def wave_speed(self) -> float:
-        return math.sqrt((self.lame_lambda + 2 * self.shear_modulus) / self.density)
-
-
-@dataclass(frozen=True)
-class NeoHookean(LinearElastic):
-    """Compressible neo-Hookean body; parameters as at small strain.
-
-    Notes
-    -----
-    W = mu/2 (tr F^T F - 3 - 2 ln J) + lambda/2 (ln J)^2 per reference volume, so that
-
-        P = lambda ln(J) F^-T + mu (F - F^-T),    sigma = [lambda ln(J) I + mu (F F^T - I)]/J,
-
-    in plane strain with F_33 = 1. In one dimension, where strain is uniaxial, both are lambda ln(F)/F + mu (F - 1/F).
-    """
-
-
-Material = Transport | LinearElastic
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ MAPPED = {
 """Folder of each part of the one import namespace."""
 LAYERS = (
     {"errors"},
-    {"atomic", "quantities", "shapes", "boundary", "problem", "verdict"},
+    {"atomic", "material", "quantities", "shapes", "boundary", "problem", "verdict"},
     {"solution", "waves"},
     {"exact", "norms", "convergence", "gate", "baseline", "criteria", "synthetic", "axis", "superposition", "separation"},
     {"study"},
@@ -221,7 +221,7 @@ def test_the_core_imports_no_solver_study_or_page_but_in_the_command_line_and_th
 
 @pytest.mark.parametrize("module", of("solvers"))
 def test_a_solver_never_sees_its_answer(module):
-    assert core_imports(module) <= {"errors", "problem", "solution"}
+    assert core_imports(module) <= {"errors", "material", "problem", "solution"}
     assert {part(name) for name in imports(module) if name in MODULES} <= {"mpmverify", "solvers"}
     assert not {name.partition(".")[0] for name in imports(module)} & {"xarray", "netCDF4"}
 

@@ -1,0 +1,185 @@
+"""What a body is made of: parameters and the speeds of its waves. Every solver family has its own constitutive law."""
+
+import math
+from dataclasses import dataclass, field
+
+from mpmverify.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Transport:
+    """A scalar carried at a constant velocity: u_t + a u_x = 0.
+
+    Parameters
+    ----------
+    velocity : float
+        a [m/s].
+
+    Raises
+    ------
+    UsageError
+        If the velocity is not finite.
+    """
+
+    velocity: float
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.velocity):
+            raise UsageError(f"the velocity of transport must be finite, not {self.velocity!r}")
+
+    @property
+    def wave_speed(self) -> float:
+        return abs(self.velocity)
+
+
+@dataclass(frozen=True)
+class LinearElastic:
+    """Isotropic linear elasticity at small strain, sigma = 2 G eps + lambda tr(eps) I; plane strain in two dimensions.
+
+    Parameters
+    ----------
+    youngs_modulus : float
+        E [Pa].
+    density : float
+        Reference density rho0 [kg/m^3].
+    poissons_ratio : float
+        nu [1]; 0 makes a one-dimensional body a slender bar.
+
+    Raises
+    ------
+    UsageError
+        If E or rho0 is not positive and finite, or nu does not lie in (-1, 1/2).
+    """
+
+    youngs_modulus: float
+    density: float
+    poissons_ratio: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (0 < self.youngs_modulus < math.inf and 0 < self.density < math.inf and -1 < self.poissons_ratio < 0.5):
+            raise UsageError(f"Young's modulus and density must be positive and finite, and -1 < nu < 1/2: {self!r}")
+
+    @property
+    def shear_modulus(self) -> float:
+        return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
+
+    @property
+    def lame_lambda(self) -> float:
+        nu = self.poissons_ratio
+        return self.youngs_modulus * nu / ((1 + nu) * (1 - 2 * nu))
+
+    @property
+    def wave_speed(self) -> float:
+        """Speed of P waves where the body is unstrained, the fastest there is [m/s]."""
+        return math.sqrt((self.lame_lambda + 2 * self.shear_modulus) / self.density)
+
+    @property
+    def shear_wave_speed(self) -> float:
+        """Speed of S waves where the body is unstrained [m/s]."""
+        return math.sqrt(self.shear_modulus / self.density)
+
+
+@dataclass(frozen=True)
+class PlaneStress(LinearElastic):
+    """Linear elasticity of a thin plate in its plane, where sigma_zz = 0; of a strip with eps_yy = 0 in one dimension.
+
+    The law in the plane is that of `LinearElastic` with `lame_lambda` = 2 lambda mu/(lambda + 2 mu) = E nu/(1 - nu^2). There is
+    none in three dimensions.
+    """
+
+    @property
+    def lame_lambda(self) -> float:
+        return self.youngs_modulus * self.poissons_ratio / (1 - self.poissons_ratio**2)
+
+
+@dataclass(frozen=True)
+class KelvinVoigt(LinearElastic):
+    """Elastic and viscous stress side by side at small strain, sigma = C : (eps + theta eps_dot).
+
+    All waves are damped with the one retardation time theta = eta/(lambda + 2 mu); in one dimension sigma is
+    (lambda + 2 mu) eps + eta eps_dot.
+
+    Parameters
+    ----------
+    viscosity : float
+        eta of uniaxial strain [Pa s].
+
+    Raises
+    ------
+    UsageError
+        If the viscosity is not positive and finite, or as for `LinearElastic`.
+
+    Notes
+    -----
+    The viscosity shortens the step of an explicit scheme that takes eps_dot half a step late: stable up to
+    omega dt/2 = sqrt(1 + xi^2) - xi, where xi = theta omega/2 belongs to the highest frequency omega of the grid.
+    """
+
+    viscosity: float = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 < self.viscosity < math.inf:
+            raise UsageError(f"the viscosity must be positive and finite, not {self.viscosity!r}: without it use LinearElastic")
+
+    @property
+    def retardation_time(self) -> float:
+        """Theta [s]."""
+        return self.viscosity / (self.lame_lambda + 2 * self.shear_modulus)
+
+
+@dataclass(frozen=True)
+class Maxwell(LinearElastic):
+    """Elastic and viscous strain one after the other at small strain, sigma_dot = C : eps_dot - sigma/tau.
+
+    Parameters
+    ----------
+    relaxation_time : float
+        tau [s], of all components of the stress.
+
+    Raises
+    ------
+    UsageError
+        If the relaxation time is not positive and finite, or as for `LinearElastic`.
+    """
+
+    relaxation_time: float = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 < self.relaxation_time < math.inf:
+            raise UsageError(
+                f"the relaxation time must be positive and finite, not {self.relaxation_time!r}: without it use LinearElastic"
+            )
+
+
+@dataclass(frozen=True)
+class NeoHookean(LinearElastic):
+    """Compressible neo-Hookean body; parameters as at small strain.
+
+    Notes
+    -----
+    W = mu/2 (tr F^T F - 3 - 2 ln J) + lambda/2 (ln J)^2 per reference volume, so that
+
+        P = lambda ln(J) F^-T + mu (F - F^-T),    sigma = [lambda ln(J) I + mu (F F^T - I)]/J,
+
+    in plane strain with F_33 = 1. In one dimension, where strain is uniaxial, both are lambda ln(F)/F + mu (F - 1/F).
+    """
+
+
+@dataclass(frozen=True)
+class NeoHookeanSplit(LinearElastic):
+    """Neo-Hookean body of uncoupled volume and shape: W = K/2 [(J^2 - 1)/2 - ln J] + mu/2 (J^(-2/3) tr b - 3)."""
+
+
+@dataclass(frozen=True)
+class Hencky(LinearElastic):
+    """Linear elasticity in the logarithmic strain, J sigma = lambda ln J I + mu ln b; parameters as at small strain."""
+
+
+@dataclass(frozen=True)
+class SaintVenantKirchhoff(LinearElastic):
+    """Linear elasticity in Green's strain, S = lambda tr(E) I + 2 mu E; in uniaxial compression it bears most at F = 1/sqrt(3)."""
+
+
+Material = Transport | LinearElastic
