@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from mpmverify.errors import UsageError
@@ -36,7 +36,9 @@ def by_size(separation: Separation):
 @LIGHT
 @given(EXPONENTS, EXPONENTS, COSINES, st.floats(0.2, 5))
 def test_exponents_and_cosine_of_exact_errors_are_found(p, q, cosine, ratio):
-    found = separate({"h": H, "dt": DT}, pair(p, q, cosine, ratio))
+    error = pair(p, q, cosine, ratio)
+    assume(error.min() > 1e-9 * error.max())  # where sources cancel to round-off, that is the obstacle
+    found = separate({"h": H, "dt": DT}, error)
     assert found.obstacle == ""
     assert by_size(found)["h"].exponent == pytest.approx(p, abs=1e-3)
     assert by_size(found)["dt"].exponent == pytest.approx(q, abs=1e-3)
@@ -49,6 +51,7 @@ def test_units_and_the_order_of_runs_do_not_matter_and_amplitudes_give_the_error
     runs = list(range(len(H)))
     shuffle.shuffle(runs)
     h, dt, error = (H * metre)[runs], (DT * second)[runs], pair(p, q, cosine)[runs]
+    assume(error.min() > 1e-9 * error.max())
     found = separate({"dt": dt, "h": h}, error)
     assert [source.size for source in found.sources] == ["dt", "h"]
     sources = by_size(found)
