@@ -151,6 +151,7 @@ def test_nothing_to_do_starts_no_process(tmp_path):
 
 
 INTERRUPTED = """
+import signal
 import sys
 from pathlib import Path
 from faulty_solvers import Scripted, plan, study
@@ -160,6 +161,7 @@ def say(study, done, total):
     print(done, flush=True)
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # it is ignored where the tests run in the background
     declared = study(Scripted("hangs", below=0.04), Scripted(below=0.0))
     list(run([declared], plan(Path(sys.argv[1]), jobs=2, timeout=600.0), say))
 """
