@@ -461,7 +461,7 @@ FAULTS = {
     "completion above the limit passes": Fault(OUTCOMES, "if status != Status.UNSTABLE}", "if status not in (Status.UNSTABLE, Status.COMPLETED)}"),
     "crash above the limit passes": Fault(OUTCOMES, "if status != Status.UNSTABLE}", "if status == Status.COMPLETED}"),
     "completion above the limit is an error": Fault(OUTCOMES, "Verdict.FAIL if", "Verdict.ERROR if"),
-    "incomplete runs are judged": Fault("gate.py", "if failed and not isinstance(criterion, OnOutcomes):", "if False:"),
+    "incomplete runs are judged": Fault("gate.py", "if evidence.incomplete and not isinstance(criterion, OnOutcomes):", "if False:"),
     "compared with itself": Fault("baseline.py", "then = known.get(name, 0.0)", "then = now"),
     "what it judges is its baseline": Fault("baseline.py", "known = accepted.get(level, {})", "known = accepted.get(level, values)"),
     "judging accepts": Fault("baseline.py", "                compared += 1\n", "                compared += 1\n                known[name] = now\n"),
