@@ -42,17 +42,17 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
             else EnergyDrift(1.8, "central differences conserve the energy up to O(dt^2): Hughes (1987), chapter 9"),
         )
     assert isinstance(solver, MaterialPoint)
-    if solver.flip == 0:
+    if solver.transfer.flip == 0:
         return (
             Order("displacement", "L2-max", 0.85, 1.1, v.PIC_SOURCE),
             Order("stress", "L2-max", 0.85, 1.1, v.PIC_SOURCE),
             EnergyDrift(0.7, v.PIC_SOURCE),
         )
-    if solver.flip < 1:
+    if solver.transfer.flip < 1:
         return (Order("displacement", "L2-max", 0.9, 2.1, v.BLEND_SOURCE), EnergyDrift(0.7, v.PIC_SOURCE))
     stress = (
         Order("stress", "L2-max", 0.9, 1.1, v.STRESS_SOURCE)
-        if solver.degree == 1
+        if solver.basis == "linear"
         else Order("stress", "L2-max", 1.5, 2.15, v.SPLINE_SOURCE)
     )
     return (Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE), stress, EnergyDrift(1.8, v.ENERGY_SOURCE))
@@ -60,7 +60,7 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
 
 def _literature(solver: Solver) -> tuple[Criterion, ...]:
     if isinstance(solver, MaterialPoint) and solver.formulation == "updated":
-        source = v.CROSSING_SOURCE if solver.degree == 1 else v.GEOMETRIC_SOURCE
+        source = v.CROSSING_SOURCE if solver.basis == "linear" else v.GEOMETRIC_SOURCE
         return (Stall("displacement", "L2-max", 0.5, source),)
     return _converges(solver)
 
@@ -70,8 +70,8 @@ TOTAL: tuple[Solver, ...] = tuple(solver for solver in v.MPM if solver.formulati
 STALLED: tuple[Solver, ...] = (
     MaterialPoint("USL"),
     MaterialPoint("MUSL"),
-    MaterialPoint("USL", degree=2),
-    MaterialPoint("MUSL", degree=2),
+    MaterialPoint("USL", basis="quadratic"),
+    MaterialPoint("MUSL", basis="quadratic"),
 )
 
 STUDY = Study(

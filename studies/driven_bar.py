@@ -18,7 +18,7 @@ SOLVERS: tuple[Solver, ...] = (*v.TAYLOR_GALERKIN, *v.MPM_FLIP, *v.FEM_P1, *v.FE
 
 ACCELERATED: tuple[Solver, ...] = (
     v.TAYLOR_GALERKIN[0],
-    *(solver for solver in v.MPM_FLIP if solver.degree == 1),
+    *(solver for solver in v.MPM_FLIP if solver.basis == "linear"),
     v.FEM_P1[0],
     v.FEM_P1[2],
 )
@@ -42,10 +42,10 @@ def _criteria(solver: Solver) -> tuple[Criterion, ...]:
             ),
         )
     assert isinstance(solver, MaterialPoint)
-    low, high = (0.9, 1.1) if solver.degree == 1 else (1.4, 2.15)
+    low, high = (0.9, 1.1) if solver.basis == "linear" else (1.4, 2.15)
     return (
         Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE),
-        Order("stress", "L2-max", low, high, v.STRESS_SOURCE if solver.degree == 1 else v.SPLINE_SOURCE),
+        Order("stress", "L2-max", low, high, v.STRESS_SOURCE if solver.basis == "linear" else v.SPLINE_SOURCE),
         EnergyDrift(1.8, v.ENERGY_SOURCE),
     )
 

@@ -5,21 +5,21 @@ from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic
 from mpmverify.exact.regularity import expected_order
 from mpmverify.gate import Criterion
 from mpmverify.solution import Solver
-from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.solvers.mpm import PIC, MaterialPoint
 from mpmverify.study import Case, Refinement, Series, Study, halving
 
 from . import variants as v
 
-QUADRATIC = MaterialPoint("MUSL", degree=2)
+QUADRATIC = MaterialPoint("MUSL", basis="quadratic")
 """The step sets off a mode of the clamped end functions that a conserving schedule keeps for ever and USL damps away. Its samples cross the
 middle of a front at the loaded end too."""
 MPM = (
     MaterialPoint("USF"),
     MaterialPoint("USL"),
     MaterialPoint("MUSL"),
-    MaterialPoint("MUSL", flip=0.0),
+    MaterialPoint("MUSL", transfer=PIC),
     QUADRATIC,
-    MaterialPoint("USL", degree=2, formulation="total"),
+    MaterialPoint("USL", basis="quadratic", formulation="total"),
     MaterialPoint("MUSL", formulation="total"),
 )
 FEM = (v.FEM_P1[0], v.FEM_P1[2], v.FEM_P2[1])
@@ -65,7 +65,7 @@ def _ladder(solver: Solver, cells: int) -> Refinement:
 
 
 def _is_pic(solver: Solver) -> bool:
-    return isinstance(solver, MaterialPoint) and solver.flip == 0
+    return isinstance(solver, MaterialPoint) and solver.transfer.flip == 0
 
 
 def _step(solver: Solver) -> tuple[Criterion, ...]:
@@ -92,7 +92,7 @@ def _lag(solver: Solver) -> tuple[Criterion, ...]:
 
     That one is a strain amplitude away, and a fine level finds it.
     """
-    if isinstance(solver, MaterialPoint) and (solver.formulation == "updated" or solver.flip < 1):
+    if isinstance(solver, MaterialPoint) and (solver.formulation == "updated" or solver.transfer.flip < 1):
         return ()
     factor = 3 / PULSE.width**2 * TRAVELLED / (PULSE.centre + TRAVELLED)
     return (PhaseError("velocity", 2, 0.2, LAG_SOURCE, solver.name, factor),)

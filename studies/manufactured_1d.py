@@ -46,13 +46,13 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
             ),
         )
     assert isinstance(solver, MaterialPoint)
-    if solver.flip == 0:
+    if solver.transfer.flip == 0:
         return (Order("displacement", "L2-max", 0.7, 1.1, v.PIC_SOURCE),)
-    if solver.flip < 1:
+    if solver.transfer.flip < 1:
         return (Order("displacement", "L2-max", 0.9, 2.1, v.BLEND_SOURCE),)
     displacement = Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE)
     energy = EnergyDrift(1.8, v.ENERGY_SOURCE)
-    if solver.degree == 1:
+    if solver.basis == "linear":
         return (displacement, Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE), energy)
     return (displacement, Order("stress", "L2-max", 1.5, 2.15, v.SPLINE_SOURCE), energy)
 
@@ -62,11 +62,11 @@ EXPLICIT: tuple[Solver, ...] = v.FEM_EXPLICIT
 ALL: tuple[Solver, ...] = (*v.MPM, *EXPLICIT)
 LATERAL: tuple[Solver, ...] = (
     MaterialPoint("MUSL", formulation="total"),
-    MaterialPoint("USL", degree=2, formulation="total"),
+    MaterialPoint("USL", basis="quadratic", formulation="total"),
     *v.FEM_EXPLICIT,
 )
-UPDATED_LINEAR = tuple(solver for solver in v.MPM if solver.formulation == "updated" and solver.degree == 1)
-UPDATED_QUADRATIC = tuple(solver for solver in v.MPM_FLIP if solver.formulation == "updated" and solver.degree == 2)
+UPDATED_LINEAR = tuple(solver for solver in v.MPM if solver.formulation == "updated" and solver.basis == "linear")
+UPDATED_QUADRATIC = tuple(solver for solver in v.MPM_FLIP if solver.formulation == "updated" and solver.basis == "quadratic")
 
 STUDY = Study(
     name="manufactured-1d",

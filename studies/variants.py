@@ -5,7 +5,7 @@ from itertools import product
 from mpmverify.criteria import Balance, FieldSums
 from mpmverify.solution import Solver
 from mpmverify.solvers.fem import FiniteElement
-from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.solvers.mpm import PIC, MaterialPoint, blend
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 from mpmverify.study import Refinement, halving
 
@@ -24,11 +24,13 @@ FEM_P2 = (
 FEM_EXPLICIT = tuple(solver for solver in FEM_P1 + FEM_P2 if solver.integrator == "central-differences")
 
 MPM_FLIP = tuple(
-    MaterialPoint(schedule, degree=degree, formulation=formulation)
-    for formulation, degree, schedule in product(("updated", "total"), (1, 2), ("USF", "USL", "MUSL"))
+    MaterialPoint(schedule, basis=basis, formulation=formulation)
+    for formulation, basis, schedule in product(("updated", "total"), ("linear", "quadratic"), ("USF", "USL", "MUSL"))
 )
 MPM_DAMPED = tuple(
-    MaterialPoint(flip=flip, formulation=formulation) for formulation in ("updated", "total") for flip in (0.95, 0.0)
+    MaterialPoint(transfer=transfer, formulation=formulation)
+    for formulation in ("updated", "total")
+    for transfer in (blend(0.95), PIC)
 )
 MPM = MPM_FLIP + MPM_DAMPED
 

@@ -120,7 +120,7 @@ FAULTS = tuple(
         "mpm",
         rule,
         f"fault {k} {HOSTILE}",
-        "mpm/laws.py",
+        "mpm/constitution.py",
         k,
         f"before {k} {HOSTILE}",
         f"after {k}",

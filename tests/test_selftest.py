@@ -101,6 +101,39 @@ def test_a_rule_applies_where_it_should_and_nowhere_else(rule, toy):
     assert not any(word in text for text in found for word in ("require", "Return", "raise", "return"))
 
 
+def test_branches_of_other_dimensions_hold_no_fault_when_there_is_one(toy):
+    path = toy / "toy" / "vectors.py"
+    path.write_text(
+        "def trace(A):\n    if len(A) == 1:\n        return 2 * A[0]\n    return A[0] + A[1]\n"
+        "def size(A):\n    n = 0\n    if len(A) == 1:\n        n = 3 * n\n    elif len(A) == 3:\n        n = 5 * n\n    return 7 * n\n",
+        encoding="utf-8",
+    )
+    found = {plain: {passage(fault, toy).before for fault in faults(toy, "toy", plain=plain)} for plain in (False, True)}
+    dropped = {"return A[0] + A[1]", "elif len(A) == 3:", "n = 5 * n"}
+    assert found[False] - found[True] == dropped
+    assert found[True] < found[False]
+    assert {"return 2 * A[0]", "n = 3 * n", "return 7 * n"} < found[True]
+
+
+def test_code_of_the_ends_is_known_by_the_table_that_a_loop_reads(toy):
+    (toy / "toy" / "grid.py").write_text(
+        "def hold(faces, begin, end):\n    for k in range(faces.held.shape[0]):\n        print(k)\n"
+        "    for n in range(begin, end):\n        print(n)\n",
+        encoding="utf-8",
+    )
+    found = [fault.edits[0].new for fault in faults(toy, "toy") if fault.rule == "boundary" and "grid" in fault.edits[0].file]
+    assert found == ["    pass", "    for k in range(min(1, faces.held.shape[0])):"]
+
+
+def test_an_argument_without_a_type_is_swapped_with_no_other(toy):
+    (toy / "toy" / "grid.py").write_text(
+        "def place(axis, x: float, scale: float):\n    return x\n\n\ndef local(a, b):\n    return place(a, b, a)\n",
+        encoding="utf-8",
+    )
+    found = [fault.edits[0].new for fault in faults(toy, "toy") if fault.rule == "arguments" and "grid" in fault.edits[0].file]
+    assert found == ["    return place(a, a, b)"]
+
+
 def test_every_patch_changes_one_place_and_the_program(by_rule):
     texts = {file: (SOURCES / file).read_text(encoding="utf-8") for file in {fault.edits[0].file for fault in by_rule}}
     for fault in by_rule:
@@ -280,7 +313,7 @@ def test_a_process_that_is_not_let_run_is_undecided(monkeypatch):
 # What is kept.
 
 
-FAULT = PlantedFault("mpm/term/1", "mpm", "term", "a term", "mpm/laws.py", 3, "a + b", "a", Fate.KILLED, verdict="FAIL")
+FAULT = PlantedFault("mpm/term/1", "mpm", "term", "a term", "mpm/constitution.py", 3, "a + b", "a", Fate.KILLED, verdict="FAIL")
 RUN = UnmodifiedRun(2, 4, 1e-4, 3, "PASS", 63)
 RATE = Rate("clean", "inside", 10_000, 9_599, 301, 1, 99)
 RATES = Rates((RATE,), (RATE,), (dataclasses.replace(RATE, wrong_pass=9_000),))

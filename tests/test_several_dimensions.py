@@ -25,7 +25,6 @@ from mpmverify.quantities import history_units, multiplicity
 from mpmverify.reports import render
 from mpmverify.runner import run, tasks_of
 from mpmverify.solvers.fem import FiniteElement
-from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 from mpmverify.study import Case, Series, Study, halving
 from mpmverify.verification import verify
@@ -216,7 +215,7 @@ def test_components_of_every_quantity(dimension):
     assert multiplicity("displacement_gradient", dimension).sum() == dimension**2
 
 
-@pytest.mark.parametrize("solver", [MaterialPoint(), FiniteElement(1, "lumped", "central-differences"), TaylorGalerkin(1)])
+@pytest.mark.parametrize("solver", [FiniteElement(1, "lumped", "central-differences"), TaylorGalerkin(1)])
 @pytest.mark.parametrize("problem", [SQUARE, CUBE, RING])
 def test_solvers_of_bars_refuse_what_is_no_bar(solver, problem):
     with pytest.raises(UsageError, match=r"cannot solve .*: it takes .*one.dimension"):

@@ -54,14 +54,20 @@ def planted(fault: Fault, sources: Path, folder: Path) -> Iterator[str]:
 
 
 def copied(package: str, solver: Solver) -> Solver:
-    """Return the same solver value, of the class in a planted package."""
-    home = type(solver).__module__
+    """Return the same solver value, of the classes in a planted package, its choices included."""
+    value: Solver = _copied(package, solver, type(solver).__module__.rpartition(".")[0])
+    return value
+
+
+def _copied(package: str, value: Any, family: str) -> Any:
+    """Value of a class of a family, and what it holds of such; anything else is itself."""
+    home = type(value).__module__
+    if not home.startswith(f"{family}."):
+        return value
     parts = home.split(".")
     module = importlib.import_module(".".join([package, *parts[parts.index("solvers") + 1 :]]))
-    # A solver is a frozen dataclass, which its protocol cannot say.
-    choices = {field.name: getattr(solver, field.name) for field in dataclasses.fields(solver)}  # type: ignore[arg-type]
-    value: Solver = getattr(module, type(solver).__name__)(**choices)
-    return value
+    choices = {field.name: _copied(package, getattr(value, field.name), family) for field in dataclasses.fields(value)}
+    return getattr(module, type(value).__name__)(**choices)
 
 
 def replanted(study: Study, package: str) -> Study:

@@ -4,6 +4,7 @@ Notes
 -----
 A rule is applied wherever it applies, in every function of a solver family but those in which a solver only speaks of itself
 (its name, its orders) and but refusals of a problem, messages, clocks and counts of work: none of these changes a result.
+Branches of other dimensions are left out as long as every trial has one: the compiler drops them.
 
 `sampled` takes, of every family and every rule, the same number of places: those whose identities have the lowest SHA-256.
 An identity is made of the rule, the file and the patch, not of a line: a change elsewhere in the file draws no other sample, and
@@ -20,8 +21,8 @@ from .faults import Fault
 from .syntax import Patch, Source, names
 
 TIME_STEPS = {"dt", "step", "kick"}
-END_WORDS = {"held", "bounded", "side", "face", "end", "condition", "inwards"}
-"""Words by which code of a boundary is known, in the test of a branch or as the variable of a loop."""
+END_WORDS = {"held", "loaded", "bounded", "side", "face", "end", "condition", "inwards"}
+"""Words by which code of a boundary is known, in the test of a branch, as the variable of a loop or as the table that it reads."""
 SWAPPED = {"+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+="}
 REVERSED = {"<": ">", ">": "<", "<=": ">=", ">=": "<=", "==": "!=", "!=": "==", "is": "is not", "is not": "is"}
 SYMBOL: dict[type, str] = {
@@ -131,7 +132,7 @@ def arguments(source: Source, node: ast.AST) -> Iterator[Patch]:
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
         kinds = source.signatures.get(node.func.id, [])
         for (one, kind), (two, other) in pairwise(zip(node.args, kinds, strict=False)):
-            if kind == other:
+            if kind == other != "":
                 yield source.swapped(one, two)
 
 
@@ -154,10 +155,14 @@ def boundary(source: Source, node: ast.AST) -> Iterator[Patch]:
     """Code of the ends of a body dropped, or applied at the first end alone."""
     if isinstance(node, ast.If) and not source.is_elif(node) and names(node.test) & END_WORDS:
         yield source.replaced(node, "pass")
-    elif isinstance(node, ast.For) and names(node.target) & END_WORDS:
-        yield source.replaced(node, "pass")
-        if source.text(node.iter) == "range(2)":
+    elif isinstance(node, ast.For):
+        tables = {entry.attr for entry in ast.walk(node.iter) if isinstance(entry, ast.Attribute)} & END_WORDS
+        if names(node.target) & END_WORDS or tables:
+            yield source.replaced(node, "pass")
+        if source.text(node.iter) == "range(2)" and names(node.target) & END_WORDS:
             yield source.replaced(node.iter, "range(1)")
+        elif tables and isinstance(node.iter, ast.Call):
+            yield source.replaced(node.iter, f"range(min(1, {source.text(node.iter.args[0])}))")
 
 
 RULES: Mapping[str, Rule] = {
@@ -194,12 +199,12 @@ def _resets(node: ast.Assign) -> bool:
     )
 
 
-def faults(sources: Path, family: str) -> list[Fault]:
-    """All faults by rule of one family, each once, in the order of its files."""
+def faults(sources: Path, family: str, *, plain: bool = False) -> list[Fault]:
+    """All faults by rule of one family, each once, in the order of its files; `plain` when no trial has more than one dimension."""
     found: dict[str, Fault] = {}
     paths = sorted((sources / family).glob("*.py"))
     for path in paths:
-        source = Source(path, sources, paths)
+        source = Source(path, sources, paths, plain=plain)
         for node in source.numerical():
             for rule, apply in RULES.items():
                 for patch in apply(source, node):

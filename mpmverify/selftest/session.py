@@ -79,11 +79,11 @@ class Session:
         UsageError, ResultsError
             If a fault or a trial was declared for other sources, or a file cannot be read or written.
         """
-        found = {family: faults(self.sources, family) for family in TRIALS}
+        trials = {family: tuple(trial.of(self.get) for trial in declared) for family, declared in TRIALS.items()}
+        found = {family: faults(self.sources, family, plain=_plain(trials[family])) for family in TRIALS}
         planted = list(NAMED)
         if self.tier == "full":
             planted += [fault for family in TRIALS for fault in sampled(found[family], EACH)]
-        trials = {family: tuple(trial.of(self.get) for trial in declared) for family, declared in TRIALS.items()}
         keys = {fault.id: self._key(fault, trials[fault.family]) for fault in planted}
         studies = merged(study for declared in trials.values() for study in declared)
         runs = self._unmodified(studies, progress)
@@ -197,6 +197,11 @@ class Session:
 
     def _path(self, key: str) -> Path:
         return self.results.selftest.parent / "known" / f"{key}.json"
+
+
+def _plain(trials: Sequence[Study]) -> bool:
+    """Whether no trial has more than one dimension."""
+    return all(case.problem.problem.dimension == 1 for study in trials for case, _ in study.series())
 
 
 def _judge(task: tuple[Court, Fault]) -> Fortune:

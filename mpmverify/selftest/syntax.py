@@ -1,6 +1,7 @@
 """A source file and its syntax tree: where an expression stands in the text, and what replaces it."""
 
 import ast
+import re
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -12,6 +13,8 @@ OF_ITSELF = {"name", "orders", "space_orders", "conserves", "__post_init__"}
 """Functions in which a solver speaks of itself."""
 NO_RESULT = {"require", "Work", "perf_counter", "compile", "typeof", "isinstance", "cast"}
 """Calls that refuse a problem, measure time and work, or compile: nothing inside changes a result."""
+
+_IN_ONE_DIMENSION = re.compile(r"len\(\w+\) == 1")
 
 
 @dataclass(frozen=True)
@@ -39,13 +42,16 @@ class Source:
         Folder of the solvers.
     siblings : iterable of Path
         Files of the family: its functions and records tell what is of one type.
+    plain : bool
+        Whether all problems have one dimension: what branches at the length of a tuple leave to others is no result then.
     """
 
-    def __init__(self, path: Path, root: Path, siblings: Iterable[Path]) -> None:
+    def __init__(self, path: Path, root: Path, siblings: Iterable[Path], *, plain: bool) -> None:
         self.file = path.relative_to(root).as_posix()
         self.whole = path.read_text(encoding="utf-8")
         self.tree = ast.parse(self.whole)
         self.parent = {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
+        self._spatial = set(_spatial(self.tree)) if plain else set()
         self._lines = self.whole.splitlines(keepends=True)
         self._starts = [sum(map(len, self._lines[:k])) for k in range(len(self._lines))]
         trees = [ast.parse(sibling.read_text(encoding="utf-8")) for sibling in siblings]
@@ -56,11 +62,11 @@ class Source:
             if isinstance(node, ast.ClassDef) and "NamedTuple" in {name for base in node.bases for name in names(base)}
         }
         self.signatures = {name: list(fields.values()) for name, fields in self._records.items()} | {
-            node.name: [ast.dump(entry.annotation) for entry in node.args.args if entry.annotation]
+            node.name: [ast.dump(entry.annotation) if entry.annotation else "" for entry in node.args.args]
             for node in nodes
             if isinstance(node, ast.FunctionDef)
         }
-        """Types of the parameters of the family's functions and records."""
+        """Types of the parameters of the family's functions and records; nothing for one that is not annotated."""
 
     # Where nodes stand. Only expressions and statements are asked, which have a place; the type of any node has none.
 
@@ -119,7 +125,11 @@ class Source:
                 yield from self._inside(statement)
 
     def _inside(self, node: ast.AST) -> Iterator[ast.AST]:
-        if isinstance(node, ast.Raise | ast.Assert | ast.JoinedStr | ast.arguments) or _is_silent(node):
+        if (
+            node in self._spatial
+            or isinstance(node, ast.Raise | ast.Assert | ast.JoinedStr | ast.arguments)
+            or _is_silent(node)
+        ):
             return
         yield node
         for child in ast.iter_child_nodes(node):
@@ -154,11 +164,24 @@ class Source:
         return [alike[(alike.index(attribute) + 1) % len(alike)]] if len(alike) > 1 else []
 
 
+def _spatial(tree: ast.AST) -> Iterator[ast.AST]:
+    """Statements that a tuple of length 1 never comes to: the other branches of `len(x) == 1`, and what follows its return."""
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if not isinstance(body, list):  # an expression's, as of a lambda
+            continue
+        for k, statement in enumerate(body):
+            if isinstance(statement, ast.If) and _IN_ONE_DIMENSION.fullmatch(ast.unparse(statement.test)):
+                yield from statement.orelse
+                if isinstance(statement.body[-1], ast.Return):
+                    yield from body[k + 1 :]
+
+
 def _is_silent(node: ast.AST) -> bool:
     """Whether a node refuses, measures, compiles or documents: a call, or a statement that holds nothing else."""
     if isinstance(node, ast.Expr | ast.Assign | ast.AugAssign):
         return (isinstance(node.value, ast.Constant) and isinstance(node, ast.Expr)) or any(
-            isinstance(entry, ast.Call) and names(entry.func) & {"perf_counter", "compile", "require"}
+            isinstance(entry, ast.Call) and names(entry.func) & {"perf_counter", "compile", "require", "_check"}
             for entry in ast.walk(node)
         )
     return isinstance(node, ast.Call) and bool(names(node.func) & NO_RESULT)

@@ -1,5 +1,6 @@
 """Explicit material point method."""
 
 from .solver import MaterialPoint
+from .transfers import APIC, FLIP, PIC, TPIC, Transfer, blend
 
-__all__ = ["MaterialPoint"]
+__all__ = ["APIC", "FLIP", "PIC", "TPIC", "MaterialPoint", "Transfer", "blend"]

@@ -1,55 +1,120 @@
-"""Clamped B-splines of degree 1 and 2 on a uniform grid, value and gradient together."""
+"""One-dimensional basis functions, value and derivative together; in more dimensions a basis is their tensor product."""
+
+import math
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline
 
 from mpmverify.problem import Array
 
-jit = njit(fastmath={"contract"}, error_model="numpy")
+from .compilation import jit
 
-WIDTH = 3
-"""Functions in a stencil; the last is zero for degree 1, so that one compiled loop serves both degrees."""
+DEGREES = {"linear": 1, "quadratic": 2, "cubic": 3}
 
 
-@jit
-def basis(xi: float, cell: int, cells: int, degree: int) -> tuple[float, float, float, float, float, float]:
-    """Functions that live on a cell, `cell`, `cell` + 1 and `cell` + 2, at a local coordinate.
+class Axis(NamedTuple):
+    """Basis along one axis with C cells and functions of width W (as many live on a cell).
+
+    Lower end [m], number of cells, whether its ends are joined, piece of each cell (C,), polynomials (pieces, W, W) in the local
+    coordinate, lowest power first, and the nodes (C + W - 1,) at which sum_I x_I N_I(x) = x [m].
+    """
+
+    lower: float
+    cells: int
+    periodic: bool
+    piece: NDArray[np.uint8]
+    polynomials: Array
+    nodes: Array
+
+
+def spline_axis(lower: float, h: float, cells: int, degree: int, periodic: bool = False) -> Axis:
+    """B-splines of a degree on uniform cells, clamped (each end knot repeated) unless periodic.
 
     Parameters
     ----------
-    xi : float
-        Local coordinate in [0, 1] [1].
-    cell, cells : int
-        Index of the cell and number of cells of the grid.
+    lower : float
+        Lower end [m].
+    h : float
+        Cell size [m].
+    cells : int
     degree : int
-        1 or 2.
-
-    Returns
-    -------
-    tuple of float
-        N_0, N_1, N_2 [1] and their derivatives by xi [1].
+        1, 2 or 3.
+    periodic : bool
+        Uniform knots throughout: functions reach beyond the ends.
 
     Notes
     -----
-    Degree 1 is the hat, (1 - xi, xi). Degree 2 by Cox and de Boor with L and R the lengths of the knot spans to the left and
-    to the right in cells, 1 inside and 0 at a repeated end knot:
-    N_0 = (1 - xi)^2/(1 + L), N_2 = xi^2/(1 + R), N_1 = 1 - N_0 - N_2.
+    On cell e live the functions e, ..., e + degree. The node of a function is the mean of its inner knots (Greville).
 
     References
     ----------
     de Boor, A Practical Guide to Splines, 1978. Steffen, Kirby and Berzins, 2008, doi:10.1002/nme.2360.
     """
-    if degree == 1:
-        return 1 - xi, xi, 0.0, -1.0, 1.0, 0.0
-    left = 1.0 + min(cell, 1)
-    right = 1.0 + min(cells - 1 - cell, 1)
-    first, third = (1 - xi) ** 2 / left, xi**2 / right
-    d_first, d_third = -2 * (1 - xi) / left, 2 * xi / right
-    return first, 1 - first - third, third, d_first, -d_first - d_third, d_third
-
-
-def greville(lower: float, h: float, cells: int, degree: int) -> Array:
-    """Material coordinates of the nodes, at which sum_I X_I N_I(X) = X, (cells + degree,) [m]."""
-    knots = np.clip(np.arange(cells + 2 * degree + 1) - degree, 0, cells)
+    knots = np.arange(cells + 2 * degree + 1, dtype=float) - degree
+    if not periodic:
+        knots = np.clip(knots, 0, cells)
     means = np.lib.stride_tricks.sliding_window_view(knots[1:-1], degree).mean(axis=1)
-    return np.asarray(lower + h * means)
+    known: dict[tuple[float, ...], int] = {}
+    piece = np.zeros(cells, dtype=np.uint8)
+    for cell in range(cells):
+        piece[cell] = known.setdefault(tuple(knots[cell : cell + 2 * degree + 2] - cell), len(known))
+    polynomials = np.array([_polynomials(np.array(local), degree) for local in known])
+    return Axis(float(lower), cells, periodic, piece, polynomials, lower + h * means)
+
+
+def _polynomials(knots: Array, degree: int) -> Array:
+    """Taylor coefficients (W, W) about the left end of the middle span."""
+    functions = BSpline(knots, np.eye(degree + 1), degree)
+    powers = [functions(0.0, nu=power) / math.factorial(power) for power in range(degree + 1)]
+    return np.array(powers).T
+
+
+@jit
+def quadratic(c, piece, k, xi):  # type: ignore[no-untyped-def]
+    """Value and derivative by xi of function k."""
+    return c[piece, k, 0] + xi * (c[piece, k, 1] + xi * c[piece, k, 2]), c[piece, k, 1] + 2 * xi * c[piece, k, 2]
+
+
+@jit
+def cubic(c, piece, k, xi):  # type: ignore[no-untyped-def]
+    """Value and derivative by xi of function k."""
+    value = c[piece, k, 0] + xi * (c[piece, k, 1] + xi * (c[piece, k, 2] + xi * c[piece, k, 3]))
+    return value, c[piece, k, 1] + xi * (2 * c[piece, k, 2] + 3 * xi * c[piece, k, 3])
+
+
+@jit
+def along(axis, s, scale, width):  # type: ignore[no-untyped-def]
+    """First function, N (W,) [1] and dN/dx (W,) [1/m] at s cells from the lower end; `scale` is 1/h, `width` any W numbers."""
+    cell = min(int(s), axis.cells - 1)
+    xi = s - cell
+    if len(width) == 2:
+        return cell, (1 - xi, xi), (-scale, scale)
+    c, piece = axis.polynomials, axis.piece[cell]
+    if len(width) == 3:
+        (N0, d0), (N1, d1), (N2, d2) = quadratic(c, piece, 0, xi), quadratic(c, piece, 1, xi), quadratic(c, piece, 2, xi)
+        return cell, (N0, N1, N2), (scale * d0, scale * d1, scale * d2)
+    (M0, e0), (M1, e1), (M2, e2), (M3, e3) = (
+        cubic(c, piece, 0, xi),
+        cubic(c, piece, 1, xi),
+        cubic(c, piece, 2, xi),
+        cubic(c, piece, 3, xi),
+    )
+    return cell, (M0, M1, M2, M3), (scale * e0, scale * e1, scale * e2, scale * e3)
+
+
+@jit
+def affine_along(axis, s, scale, N):  # type: ignore[no-untyped-def]
+    """N (x_I - x)/D (W,) [1/m] and D = sum_I N (x_I - x)^2 [m^2]; D of the hat is 0 at a node, where the quotient is dN/dx."""
+    cell = min(int(s), axis.cells - 1)
+    if len(N) == 2:
+        return (-scale, scale), N[0] * N[1] / scale**2
+    x = axis.lower + s / scale
+    r0, r1, r2 = axis.nodes[cell] - x, axis.nodes[cell + 1] - x, axis.nodes[cell + 2] - x
+    if len(N) == 3:
+        D = N[0] * r0 * r0 + N[1] * r1 * r1 + N[2] * r2 * r2
+        return (N[0] * r0 / D, N[1] * r1 / D, N[2] * r2 / D), D
+    r3 = axis.nodes[cell + 3] - x
+    E = N[0] * r0 * r0 + N[1] * r1 * r1 + N[2] * r2 * r2 + N[3] * r3 * r3
+    return (N[0] * r0 / E, N[1] * r1 / E, N[2] * r2 / E, N[3] * r3 / E), E

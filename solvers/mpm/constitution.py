@@ -8,8 +8,6 @@ Tensors are tuples, see `mpmverify.solvers.mpm.tensors`.
 from math import exp, expm1, log, nan
 from typing import NamedTuple
 
-from numba import njit
-
 from mpmverify.material import (
     Hencky,
     KelvinVoigt,
@@ -21,6 +19,7 @@ from mpmverify.material import (
     SaintVenantKirchhoff,
 )
 
+from .compilation import jit
 from .tensors import (
     Symmetric,
     Tensor,
@@ -38,8 +37,6 @@ from .tensors import (
     trace,
 )
 
-jit = njit(fastmath={"contract"}, error_model="numpy")
-inlined = njit(fastmath={"contract"}, error_model="numpy", forceinline=True)
 """A call that passes 25 numbers costs more than most laws: the neo-Hookean one in space takes 16 ns instead of 43."""
 
 LINEAR_ELASTIC, KELVIN_VOIGT, MAXWELL, NEO_HOOKEAN, NEO_HOOKEAN_SPLIT, HENCKY, SAINT_VENANT_KIRCHHOFF = range(7)
@@ -74,7 +71,7 @@ def constitution(material: LinearElastic) -> tuple[int, Constants]:
     return LAWS[type(material)], Constants(float(material.lame_lambda), float(material.shear_modulus), float(time))
 
 
-@inlined
+@jit
 def stress(law: int, constants: Constants, sigma: Symmetric, F: Tensor, increment: Tensor, dt: float) -> Symmetric:
     """Cauchy stress after a step [Pa]; all NaN when a law of finite strain meets J <= 0.
 
@@ -107,7 +104,7 @@ def stress(law: int, constants: Constants, sigma: Symmetric, F: Tensor, incremen
     return hyperelastic(law, constants.lame, constants.shear, F)
 
 
-@inlined
+@jit
 def strain_energy(law: int, constants: Constants, sigma: Symmetric, F: Tensor) -> float:
     """Stored energy [J/m^3] per volume that the stress acts on at small strain, per reference volume at finite strain.
 

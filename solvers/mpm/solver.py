@@ -1,18 +1,22 @@
-"""The explicit one-dimensional material point method as a frozen value."""
+"""The explicit material point method as a frozen value."""
 
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
 from mpmverify.errors import UsageError
+from mpmverify.material import PlaneStress
 from mpmverify.problem import (
     Array,
     BodyForce,
     Discretisation,
+    Fixed,
     LinearElastic,
+    Periodic,
     Problem,
     Traction,
     Velocity,
@@ -21,77 +25,44 @@ from mpmverify.problem import (
 )
 from mpmverify.solution import Outcome, Solution, Status, Work
 
-from . import kernels
-from .basis import WIDTH, greville
-from .laws import LAWS, LINEAR_ELASTIC
-from .state import Ends, Grid, Histories, Nodes, Outputs, Particles, Scheme, Stencil
+from . import loop, passes
+from .basis import DEGREES, Axis, spline_axis
+from .constitution import LAWS, constitution
+from .faces import ghosts, tabulate_faces
+from .layout import place_particles
+from .order import Strips, sort, strips
+from .state import Grid, Histories, Nodes, Outputs, Particles, Scheme
+from .transfers import FLIP, Transfer
 
-SCHEDULES = {"USF": kernels.USF, "USL": kernels.USL, "MUSL": kernels.MUSL}
-BASES = {1: "linear", 2: "quadratic"}
+SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
 FORMULATIONS = {"updated": "ul", "total": "tl"}
 BODY_FORCES = ("particles", "nodes")
 
 STATUSES = {
-    kernels.COMPLETED: Status.COMPLETED,
-    kernels.UNSTABLE: Status.UNSTABLE,
-    kernels.NON_FINITE: Status.NON_FINITE,
-    kernels.LEFT_GRID: Status.LEFT_GRID,
-    kernels.INVERTED: Status.NON_FINITE,
+    loop.COMPLETED: Status.COMPLETED,
+    loop.UNSTABLE: Status.UNSTABLE,
+    loop.NON_FINITE: Status.NON_FINITE,
+    loop.LEFT_GRID: Status.LEFT_GRID,
+    loop.INVERTED: Status.NON_FINITE,
 }
 BLOCK = 4_000_000
 """Most body-force values held at once: 32 MB."""
-
-
-class State(NamedTuple):
-    """First arguments of the time loop, in its order."""
-
-    scheme: Scheme
-    grid: Grid
-    particles: Particles
-    stencil: Stencil
-    nodes: Nodes
-    ends: Ends
-
-
-def end_conditions(problem: Problem, steps: int, dt: float, last: int) -> Ends:
-    """Tabulate the conditions at x- and x+ over the time levels of the leapfrog."""
-    conditions = [problem.boundary["x-"], problem.boundary["x+"]]
-    levels = np.arange(steps + 1, dtype=np.float64) * dt
-    halves = np.concatenate([[0.0], levels + 0.5 * dt])
-    velocity, force = np.zeros((2, steps + 2)), np.zeros((2, steps + 1))
-    for side, condition in enumerate(conditions):
-        if isinstance(condition, Velocity):
-            velocity[side] = condition.value(halves)
-        elif isinstance(condition, Traction):
-            force[side] = (-1, 1)[side] * condition.value(levels)
-    held = np.array([isinstance(condition, Velocity) for condition in conditions])
-    return Ends(np.array([0, last]), held, velocity, force)
-
-
-def place_particles(problem: Problem, density: float, cells: int, at: Discretisation) -> Particles:
-    """`ppc` particles in each cell at the offsets (i + 1/2)/ppc and their jitter, undeformed and with the initial velocity."""
-    count, volume = cells * at.ppc, at.h / at.ppc
-    places = np.arange(count) + 0.5
-    if at.jitter:
-        places += at.jitter * np.random.default_rng(at.seed).uniform(-1, 1, count)
-    reference = problem.lower[0] + at.h * places / at.ppc
-    velocity = problem.initial_field("velocity", reference[:, None])[:, 0].copy()
-    mass, volumes = np.full(count, density * volume), np.full(count, volume)
-    return Particles(reference, np.zeros(count), velocity, np.ones(count), np.zeros(count), mass, volumes)
+MANY = 20_000
+"""So many particles are worth several threads."""
 
 
 @dataclass(frozen=True)
 class MaterialPoint:
-    """Explicit material point method in one dimension: leapfrog in time, lumped nodal mass, B-splines in space.
+    """Explicit material point method in one, two and three dimensions: leapfrog in time, lumped nodal mass.
 
     Parameters
     ----------
     schedule : {"USF", "USL", "MUSL"}
         When the stress is updated: first, last, or last from velocities that were projected again.
-    flip : float
-        Share of FLIP in the velocity transfer, the rest is PIC [1].
-    degree : {1, 2}
-        Degree of the B-spline basis; 1 is the hat.
+    transfer : Transfer
+        How the velocity of the grid becomes that of the particles.
+    basis : {"linear", "quadratic", "cubic"}
+        B-splines of the grid; linear is the hat.
     formulation : {"updated", "total"}
         Lagrangian formulation.
     body_force_at : {"particles", "nodes"}
@@ -105,17 +76,18 @@ class MaterialPoint:
     Notes
     -----
     Position, stress and deformation gradient live at t^n, velocity at t^{n-1/2}; what is returned is synchronous. A traction
-    acts on the end function of the grid: in the updated Lagrangian formulation the loaded end must stay within its cell.
+    acts on the end functions of the grid: in the updated Lagrangian formulation a loaded face must stay within its cells.
 
     References
     ----------
     Sulsky, Chen and Schreyer, 1994, doi:10.1016/0045-7825(94)90112-0. Bardenhagen, 2002, doi:10.1006/jcph.2002.7103. Steffen,
-    Kirby and Berzins, 2008, doi:10.1002/nme.2360. de Vaucorbeil, Nguyen and Hutchinson, 2020, doi:10.1016/j.cma.2019.112783.
+    Kirby and Berzins, 2008, doi:10.1002/nme.2360. Jiang, Schroeder and Teran, 2017, doi:10.1016/j.jcp.2017.02.050 (APIC). de
+    Vaucorbeil, Nguyen and Hutchinson, 2020, doi:10.1016/j.cma.2019.112783.
     """
 
     schedule: str = "MUSL"
-    flip: float = 1.0
-    degree: int = 1
+    transfer: Transfer = FLIP
+    basis: str = "linear"
     formulation: str = "updated"
     body_force_at: str = "particles"
 
@@ -124,7 +96,7 @@ class MaterialPoint:
     def __post_init__(self) -> None:
         for what, value, choices in (
             ("stress-update schedule", self.schedule, tuple(SCHEDULES)),
-            ("degree", self.degree, tuple(BASES)),
+            ("basis", self.basis, tuple(DEGREES)),
             ("formulation", self.formulation, tuple(FORMULATIONS)),
             ("body_force_at", self.body_force_at, BODY_FORCES),
         ):
@@ -132,8 +104,8 @@ class MaterialPoint:
                 raise UsageError(
                     f"the {what} of a material point solver is one of {', '.join(map(str, choices))}, not {value!r}"
                 )
-        if not 0 <= self.flip <= 1:
-            raise UsageError(f"the share of FLIP lies between 0 (PIC) and 1 (FLIP), not {self.flip!r}")
+        if not isinstance(self.transfer, Transfer):
+            raise UsageError(f"the transfer of a material point solver is one of mpmverify.solvers.mpm, not {self.transfer!r}")
         if self.body_force_at == "nodes" and self.formulation != "total":
             raise UsageError(
                 "the body force can be taken at the nodes in the total Lagrangian formulation only: set formulation='total'"
@@ -141,21 +113,21 @@ class MaterialPoint:
 
     @property
     def name(self) -> str:
-        transfer = {0.0: "pic", 1.0: "flip"}.get(self.flip, f"blend{100 * self.flip:.12g}")
         nodal = "-nodalforce" if self.body_force_at == "nodes" else ""
-        return f"mpm-{FORMULATIONS[self.formulation]}-{BASES[self.degree]}-{self.schedule.lower()}-{transfer}{nodal}"
+        return f"mpm-{FORMULATIONS[self.formulation]}-{self.basis}-{self.schedule.lower()}-{self.transfer.name}{nodal}"
 
     @property
     def orders(self) -> Mapping[str, float]:
         """Formal orders in h while no particle crosses a cell.
 
-        PIC damps at first order. The gradient of the hat is constant in a cell, thus second order in its middle only (`ppc` = 1). The
-        lumped mass of the clamped spline is off its node by O(h) in the two functions at each end: half an order in L2 there.
+        PIC damps at first order; the affine transfers keep what it smooths, and damp at second order. The gradient of the hat is
+        constant in a cell, thus second order in its middle only (`ppc` = 1). The lumped mass of the clamped spline is off its node by
+        O(h) in the two functions at each end: half an order in L2 there, of the acceleration that FLIP adds to the velocity, too.
         """
-        if self.flip < 1:
+        if self.transfer.flip < 1 and not self.transfer.affine:
             return {"displacement": 1.0, "velocity": 1.0, "stress": 1.0}
-        if self.degree == 2:
-            return {"displacement": 2.0, "velocity": 1.5, "stress": 1.5}
+        if self.basis != "linear":
+            return {"displacement": 2.0, "velocity": 2.0 if self.transfer.affine else 1.5, "stress": 1.5}
         return {"displacement": 2.0, "velocity": 2.0, "stress": 1.0}
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
@@ -164,85 +136,159 @@ class MaterialPoint:
         Raises
         ------
         UsageError
-            If the problem is not a one-dimensional elastic bar with ends held or under traction, initially unstrained.
+            If the body is not one of the laws of `constitution`, or its faces are not held, loaded or periodic.
         """
-        state = self._state(problem, discretisation)
+        self._check(problem)
         steps, dt = discretisation.time_steps(problem)
-        particles = state.particles
-        count = len(particles.mass)
+        grid = self._grid(problem, discretisation)
+        reference, volume = place_particles(problem, discretisation)
+        particles = self._particles(problem, reference, volume)
+        count, dimension = reference.shape
+        state = (
+            self._scheme(problem),
+            grid,
+            particles,
+            Nodes(
+                *(np.zeros((math.prod(len(axis.nodes) for axis in grid.axes), n)) for n in (1 + dimension, *[dimension] * 5))
+            ),
+            tabulate_faces(problem, grid.axes, discretisation.h, steps, dt),
+            self._strips(problem, discretisation, grid, count),
+        )
         step = output_steps(steps, problem.outputs)
         times = np.arange(steps + 1, dtype=np.float64) * dt
-        outputs = Outputs(step, *(np.zeros((len(step), count)) for _ in Outputs._fields[1:]))
-        histories = Histories(*(np.zeros(steps + 1) for _ in Histories._fields))
-        top_speed = np.abs(state.ends.velocity).max()
-        running = np.array([0.0, 0.0, 0.0, 0.5 * particles.mass.sum() * top_speed**2])
+        displacement, velocity = np.zeros((2, len(step), count, dimension))
+        outputs = Outputs(
+            step,
+            displacement,
+            velocity,
+            np.zeros((len(step), *particles.stress.shape)),
+            np.zeros((len(step), count)),
+        )
+        histories = Histories(*(np.zeros((steps + 1, dimension)) for _ in range(2)), *(np.zeros(steps + 1) for _ in range(4)))
+        top_speed = np.abs(state[4].velocity).max()
+        running = np.concatenate([[0.0, 0.0, 0.5 * particles.mass.sum() * top_speed**2], np.zeros(dimension)])
         record = (outputs, histories, running, dt)
-        kernels.march(*state, *record, np.zeros((0, 0)), 0, 0, 0)  # compiles, takes no pass
+        march = loop.march_in_threads if count >= MANY else loop.march
+        march(*state, *record, np.zeros((0, 0, 0)), 0, 0, 0)  # compiles, takes no pass
+        divided = state[5].passed.size > 1
+        on_grid = not divided or sort(*state[:3], state[5])
 
         started = time.perf_counter()
-        points = greville(*state.grid) if self.body_force_at == "nodes" else particles.reference
-        block = max(1, BLOCK // len(points)) if problem.body_force else steps + 1
-        code, done, kept = kernels.COMPLETED, 0, 0
-        while code == kernels.COMPLETED and done <= steps:
+        points = node_positions(grid.axes) if self.body_force_at == "nodes" else reference
+        block = max(1, BLOCK // points.size) if problem.body_force else steps + 1
+        code, done, kept = loop.COMPLETED if on_grid else loop.LEFT_GRID, 0, 0
+        while code == loop.COMPLETED and done <= steps:
             end = min(done + block, steps + 1)
             body = _tabulate(problem.body_force, points, times[done:end])
-            code, done, kept = kernels.march(*state, *record, body, done, end, kept)
+            begin, code = done, loop.UNSORTED
+            while code == loop.UNSORTED:
+                if divided and not sort(*state[:3], state[5]):
+                    code = loop.LEFT_GRID
+                    break
+                code, done, kept = march(*state, *record, body[done - begin :], done, end, kept)
         seconds = time.perf_counter() - started
 
-        cause = "; a particle's deformation gradient reached zero" if code == kernels.INVERTED else ""
-        detail = "" if code == kernels.COMPLETED else f"at step {done} of {steps}{cause}"
+        cause = "; a particle's deformation gradient reached zero" if code == loop.INVERTED else ""
+        detail = "" if code == loop.COMPLETED else f"at step {done} of {steps}{cause}"
         taken = min(done, steps)
-        displacement = outputs.displacement[:kept, :, None]
-        # A small-strain body in material coordinates keeps its volume; its F may even be negative.
-        small_strain = state.scheme.total and state.scheme.law == LINEAR_ELASTIC
         return Solution(
             time=times[step[:kept]],
             dt=dt,
-            reference=particles.reference[:, None],
-            position=particles.reference[:, None] + displacement,
-            weight=particles.volume * (np.ones_like(outputs.F[:kept]) if small_strain else outputs.F[:kept]),
+            reference=reference,
+            position=reference + outputs.displacement[:kept],
+            weight=outputs.volume[:kept],
             fields={
-                "displacement": displacement,
-                "velocity": outputs.velocity[:kept, :, None],
-                "stress": outputs.stress[:kept, :, None],
+                "displacement": outputs.displacement[:kept],
+                "velocity": outputs.velocity[:kept],
+                "stress": outputs.stress[:kept],
             },
-            histories={"time": times[:done], **{name: h[:done] for name, h in histories._asdict().items()}},
+            histories={"time": times[:done], **by_component(histories, done)},
             work=Work(taken, taken * count, seconds),
             outcome=Outcome(STATUSES[code], detail),
         )
 
-    def _state(self, problem: Problem, discretisation: Discretisation) -> State:
-        """Check the problem and lay out the state at t = 0."""
-        require(problem.dimension == 1, self.name, problem, "one-dimensional problems")
-        material = problem.material
-        require(type(material) in LAWS, self.name, problem, "linear elastic and neo-Hookean bodies")
-        assert isinstance(material, LinearElastic)
-        held_or_loaded = all(isinstance(condition, Velocity | Traction) for condition in problem.boundary.values())
-        require(held_or_loaded, self.name, problem, "prescribed velocities and tractions as boundary conditions")
-        (cells,) = discretisation.cells(problem)
-        steps, dt = discretisation.time_steps(problem)
-        particles = place_particles(problem, material.density, cells, discretisation)
-        for quantity in ("displacement", "displacement_gradient", "stress"):
-            given = problem.initial_field(quantity, particles.reference[:, None])
-            require(not given.any(), self.name, problem, f"bodies without an initial {quantity}")
-        scheme = Scheme(
+    def _check(self, problem: Problem) -> None:
+        """Refuse a problem that this solver cannot take."""
+        require(type(problem.material) in LAWS, self.name, problem, "elastic and viscoelastic bodies")
+        conditions = problem.boundary.values()
+        taken = all(isinstance(condition, Velocity | Fixed | Traction | Periodic) for condition in conditions)
+        require(taken, self.name, problem, "prescribed velocities, tractions and joined ends as boundary conditions")
+        joined = [isinstance(condition, Periodic) for _, condition in sorted(problem.boundary.items())]
+        require(joined[::2] == joined[1::2], self.name, problem, "axes of which both ends are joined or neither")
+        require(problem.shape is None, self.name, problem, "bodies that fill their box")
+        flat = problem.dimension == 2 or not isinstance(problem.material, PlaneStress)
+        require(flat, self.name, problem, "plane stress in two dimensions")
+        state = {"displacement", "displacement_gradient", "stress"}
+        given = state & problem.initial.keys()
+        require(
+            given in (set(), state),
+            self.name,
+            problem,
+            f"bodies that begin undeformed, or with all of {', '.join(sorted(state))}",
+        )
+
+    def _scheme(self, problem: Problem) -> Scheme:
+        assert isinstance(problem.material, LinearElastic)
+        return Scheme(
             SCHEDULES[self.schedule],
-            float(self.flip),
+            self.transfer.affine,
+            float(self.transfer.flip),
             self.formulation == "total",
             self.body_force_at == "nodes",
-            LAWS[type(material)],
-            float(material.lame_lambda),
-            float(material.shear_modulus),
+            *constitution(problem.material),
         )
-        count = len(particles.mass)
-        stencil = Stencil(np.zeros(count, dtype=np.uint32), np.zeros((count, WIDTH)), np.zeros((count, WIDTH)))
-        nodes = Nodes(*(np.zeros(cells + WIDTH - 1) for _ in Nodes._fields))
-        grid = Grid(float(problem.lower[0]), float(discretisation.h), cells, self.degree)
-        return State(scheme, grid, particles, stencil, nodes, end_conditions(problem, steps, dt, cells + self.degree - 1))
+
+    def _grid(self, problem: Problem, at: Discretisation) -> Grid:
+        axes = tuple(
+            spline_axis(lower, at.h, cells, DEGREES[self.basis], isinstance(problem.boundary[f"{name}-"], Periodic))
+            for name, lower, cells in zip("xyz", problem.lower, at.cells(problem), strict=False)
+        )
+        counts = [len(axis.nodes) for axis in axes]
+        stride = tuple(math.prod(counts[:k]) for k in range(len(counts)))
+        width = (0.0,) * (DEGREES[self.basis] + 1)
+        return Grid(axes, tuple(map(float, problem.lower)), 1 / at.h, stride, width, ghosts(axes))
+
+    def _strips(self, problem: Problem, at: Discretisation, grid: Grid, count: int) -> Strips:
+        rows, moving = at.cells(problem)[-1], self.formulation == "updated"
+        return strips(grid.lower[-1], at.h, rows, len(grid.width), count, problem.dimension, moving)
+
+    def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:
+        """Lay the particles out in the initial state of the body."""
+        assert isinstance(problem.material, LinearElastic)
+        count, dimension = reference.shape
+        tensor = dimension**2
+        return Particles(
+            np.arange(count, dtype=np.int64),
+            reference.copy(),
+            reference + problem.initial_field("displacement", reference),
+            problem.initial_field("velocity", reference).copy(),
+            np.zeros((count, tensor) if self.transfer.affine else 0),
+            np.eye(dimension).ravel() + problem.initial_field("displacement_gradient", reference),
+            problem.initial_field("stress", reference).copy(),
+            problem.material.density * volume,
+            volume.copy(),
+        )
+
+
+def node_positions(axes: tuple[Axis, ...]) -> Array:
+    """Material coordinates of the nodes (n, d) [m], x fastest."""
+    mesh = np.meshgrid(*(axis.nodes for axis in reversed(axes)), indexing="ij")
+    return np.stack([coordinate.ravel() for coordinate in reversed(mesh)], axis=1)
+
+
+def by_component(histories: Histories, done: int) -> dict[str, Array]:
+    """Histories by the names of `Solution`: a vector has one for each component where there are several."""
+    found: dict[str, Array] = {}
+    for name, values in histories._asdict().items():
+        if values.ndim == 1 or values.shape[1] == 1:
+            found[name] = values[:done].reshape(done)
+        else:
+            found |= {f"{name}_{axis}": values[:done, k].copy() for k, axis in enumerate("xyz"[: values.shape[1]])}
+    return found
 
 
 def _tabulate(body_force: BodyForce | None, points: Array, times: Array) -> Array:
-    """Body force at material points (K,) [m] and times (B,) [s], (B, K) [m/s^2]; empty when there is none."""
+    """Body force at material points (K, d) [m] and times (B,) [s], (B, K, d) [m/s^2]; empty when there is none."""
     if body_force is None:
-        return np.zeros((0, 0))
-    return np.ascontiguousarray(body_force(points[:, None], times)[:, :, 0], dtype=float)
+        return np.zeros((0, 0, 0))
+    return np.ascontiguousarray(body_force(points, times), dtype=float)

@@ -1,4 +1,4 @@
-"""Arrays and choices that the compiled time loop works on; C cells, P particles, N steps, T outputs."""
+"""What the compiled time loop works on; d dimensions, P particles, n nodes, N steps, T outputs, S strips."""
 
 from typing import NamedTuple
 
@@ -7,87 +7,106 @@ from numpy.typing import NDArray
 
 from mpmverify.problem import Array
 
+from .basis import Axis
+from .constitution import Constants
+
+Integers = NDArray[np.int64]
+
 
 class Scheme(NamedTuple):
-    """Choices of the scheme and Lame's parameters lambda, mu [Pa]."""
+    """Choices of the scheme: schedule, affine part of the transfer, share of FLIP, formulation, where the body force
+    acts, law and its constants.
+    """
 
     schedule: int
+    affine: int
     flip: float
     total: bool
     nodal_body: bool
     law: int
-    lame: float
-    shear: float
+    constants: Constants
 
 
 class Grid(NamedTuple):
-    """C cells of size h [m] from `lower` [m] on; C + degree functions in arrays of length C + 2."""
+    """Axes (d,), lower corner (d,) [m], 1/h [1/m], steps from node to node (d,), and W numbers that tell the width of a stencil.
 
-    lower: float
-    h: float
-    cells: int
-    degree: int
+    A ghost node of a periodic axis and its image, (G, 2).
+    """
+
+    axes: tuple[Axis, ...]
+    lower: tuple[float, ...]
+    scale: float
+    stride: tuple[int, ...]
+    width: tuple[float, ...]
+    ghosts: Integers
 
 
 class Particles(NamedTuple):
-    """Arrays (P,): X [m], u [m], v at t^{n-1/2} [m/s], F [1], sigma [Pa], m [kg/m^2], V0 [m]."""
+    """Place in the order of the problem (P,), X, x [m] and v at t^{n-1/2} [m/s] (P, d), B [m^2/s] and F [1] (P, d d).
 
+    sigma [Pa] (P, d (d + 1)/2), m [kg] (P,) and V0 [m^d] (P,). B is (0,) when the transfer keeps none, which numba sees.
+    """
+
+    place: Integers
     reference: Array
-    displacement: Array
+    position: Array
     velocity: Array
+    affine: Array
     F: Array
     stress: Array
     mass: Array
     volume: Array
 
 
-class Stencil(NamedTuple):
-    """First function of each particle (P,), N_Ip [1] and dN_Ip/dx [1/m], both (P, 3)."""
-
-    first: NDArray[np.uint32]
-    value: Array
-    gradient: Array
-
-
 class Nodes(NamedTuple):
-    """Arrays (C + 2,): m_I [kg/m^2], p_I [kg/(m s)], v_I [m/s], a_I [m/s^2], internal and external f_I [Pa]."""
+    """m_I and p_I in one array (n, 1 + d) [kg, kg m/s]; the others (n, d).
 
-    mass: Array
-    momentum: Array
+    v_I, v_I of the momentum projected again [m/s], a_I [m/s^2], internal and external f_I [N].
+
+    In less than three dimensions masses and forces are per unit of the area or length that is left out.
+    """
+
+    inertia: Array
     velocity: Array
+    projected: Array
     acceleration: Array
     internal: Array
     external: Array
 
 
-class Ends(NamedTuple):
-    """Conditions at x- and x+.
+class Faces(NamedTuple):
+    """Conditions on the faces of the box, K held and L loaded components of nodes.
 
-    Node and whether its velocity is prescribed (2,), v_b at 0 and all t^{n+1/2} (2, N + 2), p n at all t^n (2, N + 1).
+    `held` and `loaded` give the node, the component and the row of the tables (K, 3) and (L, 3); `area` is the integral of N_I over
+    the face (L,) [m^(d-1)], `velocity` v_b at 0 and all t^{n+1/2} (rows, N + 2) [m/s], `force` p n at all t^n (rows, N + 1) [Pa].
     """
 
-    node: NDArray[np.int64]
-    held: NDArray[np.bool_]
+    held: Integers
+    loaded: Integers
+    area: Array
     velocity: Array
     force: Array
 
 
 class Outputs(NamedTuple):
-    """Steps of the outputs (T,), and the synchronous u, v, sigma, F, (T, P)."""
+    """Steps of the outputs (T,), and the synchronous u, v (T, P, d), sigma (T, P, d (d + 1)/2), and volume (T, P)."""
 
-    step: NDArray[np.int64]
+    step: Integers
     displacement: Array
     velocity: Array
     stress: Array
-    F: Array
+    volume: Array
 
 
 class Histories(NamedTuple):
-    """Arrays (N + 1,) of synchronous sums per unit cross-section."""
+    """Arrays (N + 1, d) of momentum and impulse, and (N + 1,) of the other synchronous sums.
 
-    mass: Array
+    Per unit of the area or length that is left out in less than three dimensions.
+    """
+
     momentum: Array
     impulse: Array
+    mass: Array
     kinetic_energy: Array
     strain_energy: Array
     external_work: Array

@@ -7,9 +7,7 @@ and drops the branches of the other dimensions before it compiles.
 
 from math import acos, asinh, atanh, cos, log, pi, sqrt
 
-from numba import njit
-
-jit = njit(fastmath={"contract"}, error_model="numpy")
+from .compilation import jit
 
 Tensor = tuple[float, ...]
 Symmetric = tuple[float, ...]

@@ -1,62 +1,104 @@
-"""Transfer between particles and grid: where the basis is evaluated, gathered and scattered."""
+"""Transfer between particles and grid over the nodes of a stencil, in one, two and three dimensions.
 
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
+Numba knows the length of a tuple: it drops the branches of the other dimensions and unrolls the loops over a stencil.
+A stencil is its first node, the functions w (dim, W) along each axis, whose products are N_Ip, and others e in the place of one
+of them: the derivatives d, whose products are dN_Ip/dx_k, or the affine ones. Nodes (n, C) are counted with x fastest.
+"""
 
-from mpmverify.problem import Array
+from .compilation import jit
+from .vectors import axpy, row
 
-from .basis import basis
-from .state import Grid, Nodes, Particles, Stencil
-
-jit = njit(fastmath={"contract"}, error_model="numpy")
-
-
-@jit
-def evaluate_basis(grid: Grid, particles: Particles, stencil: Stencil, total: bool) -> bool:
-    """N_I(x_p) and dN_I/dx(x_p), of X_p for the total Lagrangian; False when a particle is not on the grid, NaN included."""
-    for p in range(particles.mass.size):
-        x = particles.reference[p] if total else particles.reference[p] + particles.displacement[p]
-        s = (x - grid.lower) / grid.h
-        if not 0 <= s <= grid.cells:
-            return False
-        cell = min(int(s), grid.cells - 1)
-        N0, N1, N2, d0, d1, d2 = basis(s - cell, cell, grid.cells, grid.degree)
-        stencil.first[p] = cell
-        stencil.value[p, 0], stencil.value[p, 1], stencil.value[p, 2] = N0, N1, N2
-        stencil.gradient[p, 0], stencil.gradient[p, 1], stencil.gradient[p, 2] = d0 / grid.h, d1 / grid.h, d2 / grid.h
-    return True
+# mypy: disable-error-code="no-untyped-def"
 
 
 @jit
-def gather(first: NDArray[np.uint32], weight: Array, nodal: Array, p: int) -> float:
-    """Grid to particle: sum_I W_Ip a_I."""
-    i = first[p]
-    return weight[p, 0] * nodal[i] + weight[p, 1] * nodal[i + 1] + weight[p, 2] * nodal[i + 2]
+def spread(nodes, column, first, stride, w, amount):
+    """Particle to grid: a_I += N_Ip a, into the columns from `column` on."""
+    if len(w) == 1:
+        for a in range(len(w[0])):
+            for c in range(len(amount)):
+                nodes[first + a, column + c] += w[0][a] * amount[c]
+    elif len(w) == 2:
+        for b in range(len(w[1])):
+            for a in range(len(w[0])):
+                N = w[0][a] * w[1][b]
+                for c in range(len(amount)):
+                    nodes[first + a + b * stride[1], column + c] += N * amount[c]
+    else:
+        for k in range(len(w[2])):
+            for b in range(len(w[1])):
+                N_yz = w[1][b] * w[2][k]
+                for a in range(len(w[0])):
+                    N = w[0][a] * N_yz
+                    for c in range(len(amount)):
+                        nodes[first + a + b * stride[1] + k * stride[2], column + c] += N * amount[c]
 
 
 @jit
-def scatter(first: NDArray[np.uint32], weight: Array, nodal: Array, p: int, amount: float) -> None:
-    """Particle to grid: a_I += W_Ip a."""
-    i = first[p]
-    nodal[i] += weight[p, 0] * amount
-    nodal[i + 1] += weight[p, 1] * amount
-    nodal[i + 2] += weight[p, 2] * amount
+def spread_tensor(nodes, column, first, stride, w, e, T):
+    """Particle to grid: a_I += sum_k T_k dN_Ip/dx_k, T_k the columns of a tensor, into the columns from `column` on."""
+    if len(w) == 1:
+        for a in range(len(w[0])):
+            nodes[first + a, column] += e[0][a] * T[0][0]
+    elif len(w) == 2:
+        for b in range(len(w[1])):
+            for a in range(len(w[0])):
+                x, y = e[0][a] * w[1][b], w[0][a] * e[1][b]
+                for c in range(len(w)):
+                    nodes[first + a + b * stride[1], column + c] += x * T[0][c] + y * T[1][c]
+    else:
+        for k in range(len(w[2])):
+            for b in range(len(w[1])):
+                N_yz, y_z, z_y = w[1][b] * w[2][k], e[1][b] * w[2][k], w[1][b] * e[2][k]
+                for a in range(len(w[0])):
+                    x, y, z = e[0][a] * N_yz, w[0][a] * y_z, w[0][a] * z_y
+                    for c in range(len(w)):
+                        nodes[first + a + b * stride[1] + k * stride[2], column + c] += x * T[0][c] + y * T[1][c] + z * T[2][c]
 
 
 @jit
-def particle_mass_to_grid(particles: Particles, stencil: Stencil, nodes: Nodes) -> None:
-    """m_I = sum_p m_p N_Ip."""
-    for i in range(nodes.mass.size):
-        nodes.mass[i] = 0.0
-    for p in range(particles.mass.size):
-        scatter(stencil.first, stencil.value, nodes.mass, p, particles.mass[p])
+def gather(nodes, first, stride, w, zero):
+    """Grid to particle: the vector sum_I N_Ip a_I; `zero` is the null vector."""
+    total = zero
+    if len(w) == 1:
+        for a in range(len(w[0])):
+            total = axpy(w[0][a], row(nodes, first + a, zero), total)
+    elif len(w) == 2:
+        for b in range(len(w[1])):
+            for a in range(len(w[0])):
+                total = axpy(w[0][a] * w[1][b], row(nodes, first + a + b * stride[1], zero), total)
+    else:
+        for k in range(len(w[2])):
+            for b in range(len(w[1])):
+                N_yz = w[1][b] * w[2][k]
+                for a in range(len(w[0])):
+                    total = axpy(w[0][a] * N_yz, row(nodes, first + a + b * stride[1] + k * stride[2], zero), total)
+    return total
 
 
 @jit
-def particle_momentum_to_grid(particles: Particles, stencil: Stencil, nodes: Nodes) -> None:
-    """p_I = sum_p m_p v_p N_Ip."""
-    for i in range(nodes.momentum.size):
-        nodes.momentum[i] = 0.0
-    for p in range(particles.mass.size):
-        scatter(stencil.first, stencil.value, nodes.momentum, p, particles.mass[p] * particles.velocity[p])
+def gather_tensor(nodes, first, stride, w, e, zero):
+    """Grid to particle: the tensor with rows c and columns k, sum_I a_Ic dN_Ip/dx_k, row-major."""
+    if len(w) == 1:
+        x = zero
+        for a in range(len(w[0])):
+            x = axpy(e[0][a], row(nodes, first + a, zero), x)
+        return x
+    if len(w) == 2:
+        x = y = zero
+        for b in range(len(w[1])):
+            for a in range(len(w[0])):
+                value = row(nodes, first + a + b * stride[1], zero)
+                x = axpy(e[0][a] * w[1][b], value, x)
+                y = axpy(w[0][a] * e[1][b], value, y)
+        return (x[0], y[0], x[1], y[1])
+    x = y = z = zero
+    for k in range(len(w[2])):
+        for b in range(len(w[1])):
+            N_yz, y_z, z_y = w[1][b] * w[2][k], e[1][b] * w[2][k], w[1][b] * e[2][k]
+            for a in range(len(w[0])):
+                value = row(nodes, first + a + b * stride[1] + k * stride[2], zero)
+                x = axpy(e[0][a] * N_yz, value, x)
+                y = axpy(w[0][a] * y_z, value, y)
+                z = axpy(w[0][a] * z_y, value, z)
+    return (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])

@@ -1,0 +1,45 @@
+"""How the functions of this package are compiled."""
+
+import types
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol, TypeVar, cast
+
+from numba import njit
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class Jit(Protocol):
+    """A decorator that keeps the signature of what it compiles."""
+
+    def __call__(self, function: F) -> F: ...
+
+
+ARITHMETIC: dict[str, Any] = {"fastmath": {"contract"}, "error_model": "numpy"}
+jit = cast(Jit, njit(**ARITHMETIC, **cast(dict[str, Any], {"forceinline": True, "_nrt": False})))
+"""For what runs within a pass: inlined, and without counting references, which would cost more than the arithmetic.
+
+Such a function allocates nothing and returns no array.
+"""
+SOURCES = zlib.crc32(b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))))
+"""As a default argument of a compiled function it adds the files that it inlines to the one that numba's disk cache watches."""
+
+
+def compiled(function: Callable[..., Any], names: dict[str, object], **options: bool) -> Any:
+    """Compile a copy of a function with other meanings of some of its global names.
+
+    Parameters
+    ----------
+    function : function
+    names : dict
+        Meanings by name.
+    **options : bool
+        Of `numba.njit`; the copy is named after them, since numba's disk cache tells functions of a module apart by their names.
+    """
+    assert isinstance(function, types.FunctionType)
+    name = "_".join([function.__name__, *sorted(options)])
+    copy = types.FunctionType(function.__code__, function.__globals__ | names, name, function.__defaults__)
+    copy.__module__, copy.__qualname__ = function.__module__, name
+    return njit(**ARITHMETIC, **cast(dict[str, Any], options))(copy)

@@ -1,0 +1,82 @@
+"""Boundary conditions of a problem as tables over the nodes of the faces and the time levels of the leapfrog."""
+
+import numpy as np
+
+from mpmverify.problem import Array, Fixed, Periodic, Problem, Traction, Velocity
+
+from .basis import Axis
+from .state import Faces, Integers
+
+
+def node_numbers(axes: tuple[Axis, ...]) -> Integers:
+    """Number of every node, an array with x last and fastest."""
+    counts = [len(axis.nodes) for axis in reversed(axes)]
+    return np.arange(np.prod(counts), dtype=np.int64).reshape(counts)
+
+
+def ghosts(axes: tuple[Axis, ...]) -> Integers:
+    """Nodes beyond the upper end of a periodic axis, and the ones that they repeat (G, 2)."""
+    numbers = node_numbers(axes)
+    images = numbers
+    for k, axis in enumerate(reversed(axes)):
+        if axis.periodic:
+            images = np.take(images, np.arange(len(axis.nodes)) % axis.cells, axis=k)
+    beyond = numbers != images
+    return np.stack([numbers[beyond], images[beyond]], axis=1)
+
+
+def integrals(axis: Axis, h: float) -> Array:
+    """Integral of every function along an axis (C + W - 1,) [m]."""
+    width = axis.polynomials.shape[1]
+    on_cells = (axis.polynomials / np.arange(1, width + 1)).sum(axis=2)[axis.piece]
+    total = np.zeros(len(axis.nodes))
+    for k in range(width):
+        total[k : k + axis.cells] += h * on_cells[:, k]
+    if axis.periodic:
+        np.add.at(total, np.arange(axis.cells, len(total)) % axis.cells, total[axis.cells :].copy())
+    return total
+
+
+def tabulate_faces(problem: Problem, axes: tuple[Axis, ...], h: float, steps: int, dt: float) -> Faces:
+    """Conditions at the nodes of the faces; at an edge a clamped face comes before a prescribed normal velocity."""
+    numbers = node_numbers(axes)
+    levels = np.arange(steps + 1, dtype=np.float64) * dt
+    halves = np.concatenate([[0.0], levels + 0.5 * dt])
+    held, loaded, area = [], [], []
+    velocity, force = [np.zeros(steps + 2)], [np.zeros(steps + 1)]
+    own = tuple(slice(axis.cells if axis.periodic else None) for axis in reversed(axes))
+    clamped_first = sorted(problem.boundary.items(), key=lambda item: not isinstance(item[1], Fixed))
+    for face, condition in clamped_first:
+        k, sign = "xyz".index(face[0]), 1 if face[1] == "+" else -1
+        across = problem.dimension - 1 - k
+        on_face = np.take(numbers[own], -1 if sign > 0 else 0, axis=across).ravel()
+        if isinstance(condition, Fixed):
+            held += [(node, c, 0) for node in on_face for c in range(problem.dimension)]
+        elif isinstance(condition, Velocity):
+            held += [(node, k, len(velocity)) for node in on_face]
+            velocity.append(condition.value(halves))
+        elif isinstance(condition, Traction):
+            values = condition.value(levels)
+            if values.any() or not np.isfinite(values).all():
+                loaded += [(node, k, len(force)) for node in on_face]
+                area.append(_areas(axes, h, k).ravel())
+                force.append(sign * values)
+        else:
+            assert isinstance(condition, Periodic)
+    return Faces(
+        np.array(held, dtype=np.int64).reshape(-1, 3),
+        np.array(loaded, dtype=np.int64).reshape(-1, 3),
+        np.concatenate([*area, np.zeros(0)]),
+        np.array(velocity),
+        np.array(force),
+    )
+
+
+def _areas(axes: tuple[Axis, ...], h: float, normal: int) -> Array:
+    """Integrals of the functions of a face across an axis, over the nodes of the face."""
+    total = np.ones(())
+    for k, axis in reversed(list(enumerate(axes))):
+        if k != normal:
+            along = integrals(axis, h)[: axis.cells if axis.periodic else None]
+            total = np.multiply.outer(total, along)
+    return total

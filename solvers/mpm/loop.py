@@ -1,0 +1,230 @@
+"""The compiled time loop of the explicit material point method."""
+
+from math import isfinite
+
+import numpy as np
+from numba import njit, prange
+
+from mpmverify.problem import Array
+
+from .basis import Axis
+from .compilation import SOURCES, compiled, jit
+from .constitution import Constants
+from .grid import accelerate, clear, external_force_and_power, kick_nodes, leapfrog, nodal_velocity
+from .order import INTERVAL, Strips
+from .passes import (
+    FAILED,
+    KINETIC,
+    MOMENTUM,
+    MUSL,
+    PASSED,
+    STRAIN,
+    STRAYED,
+    USF,
+    grid_to_particles,
+    particles_to_grid,
+    record_fields,
+    strain_particles,
+)
+from .state import Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme
+
+# mypy: disable-error-code="no-untyped-def"
+
+COMPLETED, UNSTABLE, NON_FINITE, LEFT_GRID, INVERTED, UNSORTED = range(6)
+POWER, WORK, GIVEN, IMPULSE = range(4)
+"""Of what is carried from step to step; the impulse takes one place for each direction."""
+TO_GRID, TO_PARTICLES, STRAIN_ALONE = range(3)
+GROWTH = 100.0
+"""A run is unstable when its kinetic energy exceeds all the energy that it was ever given by this factor."""
+MASSLESS = 1e-12
+"""Nodes with less than this part of a particle's mass carry no velocity: f/m would overflow."""
+
+
+@njit
+def joined_axes(like, x: Axis, y: Axis, z: Axis):
+    """As many axes as there are dimensions; it returns arrays, so references to them must be counted."""
+    if len(like) == 1:
+        return (x,)
+    if len(like) == 2:
+        return (x, y)
+    return (x, y, z)
+
+
+@jit
+def record_histories(
+    scheme: Scheme,
+    grid: Grid,
+    nodes: Nodes,
+    strips: Strips,
+    histories: Histories,
+    running: Array,
+    added: Array,
+    force: Array,
+    power: float,
+    n: int,
+    dt: float,
+) -> int:
+    """Sums at t^n, where v^n = v^{n-1/2} + dt/2 sum_I N_I a_I; COMPLETED, UNSTABLE or NON_FINITE.
+
+    Mass sum_I m_I; momentum sum_p m v; impulse of applied forces, reactions and, for PIC, of the momentum `added` at held nodes;
+    kinetic energy sum_p m v^2/2; strain energy; work as the trapezoid of the power sum_I f_I^ext v_I.
+    """
+    kick, step = leapfrog(n, dt)
+    work = kick * (running[POWER] + power)
+    kinetic, strain = 0.0, 0.0
+    for i in range(nodes.inertia.shape[0]):
+        histories.mass[n] += nodes.inertia[i, 0]
+    for s in range(strips.sums.shape[0]):
+        kinetic += strips.sums[s, KINETIC]
+        strain += strips.sums[s, STRAIN]
+        for c in range(len(grid.lower)):
+            histories.momentum[n, c] += strips.sums[s, MOMENTUM + c]
+    for c in range(len(grid.lower)):
+        histories.impulse[n, c] = running[IMPULSE + c] + kick * force[c]
+        running[IMPULSE + c] += step * force[c] + (1 - scheme.flip) * added[c]
+    histories.kinetic_energy[n] = kinetic
+    histories.strain_energy[n] = strain
+    histories.external_work[n] = running[WORK] + work
+    running[POWER] = power
+    running[WORK] += work
+    running[GIVEN] += abs(work) if n > 0 else kinetic + strain
+    if not isfinite(kinetic + strain + running[WORK]):
+        return NON_FINITE
+    return COMPLETED if kinetic <= GROWTH * running[GIVEN] else UNSTABLE
+
+
+def sweep(
+    kind: int,
+    scheme: Scheme,
+    grid: Grid,
+    x: Axis,
+    y: Axis,
+    z: Axis,
+    particles: Particles,
+    nodes: Nodes,
+    strips: Strips,
+    body: Array,
+    load: int,
+    n: int,
+    dt: float,
+    choice: bool,
+) -> int:
+    """One pass over all strips, those of one colour at the same time; the worst of what it says of them.
+
+    Notes
+    -----
+    A loop in threads takes arrays and flat tuples: what is nested is taken apart before and put together in it. In less than
+    three dimensions the axes that are missing repeat the last one.
+    """
+    (schedule, affine, flip, total, nodal_body, law, constants) = scheme
+    lame, shear, time = constants
+    _, lower, scale, stride, width, ghosts = grid
+    count = strips.passed.size
+    for colour in range(2):
+        for k in prange((count + 1 - colour) // 2):
+            choices = Scheme(schedule, affine, flip, total, nodal_body, law, Constants(lame, shear, time))
+            space = Grid(joined_axes(lower, x, y, z), lower, scale, stride, width, ghosts)
+            s = 2 * k + colour
+            first, stop = strips.particles[s], strips.particles[s + 1]
+            if kind == TO_GRID:
+                passed = particles_to_grid(choices, space, particles, nodes, body, load, choice, first, stop)
+            elif kind == TO_PARTICLES:
+                passed = grid_to_particles(
+                    choices, space, particles, nodes, n, dt, choice, strips.limits[s], strips.sums[s], first, stop
+                )
+            else:
+                passed = strain_particles(choices, space, particles, nodes, dt, strips.limits[s], first, stop)
+            strips.passed[s] = passed
+    worst = PASSED
+    for s in range(count):
+        worst = min(worst, strips.passed[s])
+    return worst
+
+
+def march(
+    scheme: Scheme,
+    grid: Grid,
+    particles: Particles,
+    nodes: Nodes,
+    faces: Faces,
+    strips: Strips,
+    outputs: Outputs,
+    histories: Histories,
+    running: Array,
+    dt: float,
+    body: Array,
+    begin: int,
+    end: int,
+    output: int,
+    sources: int = SOURCES,
+) -> tuple[int, int, int]:
+    """Passes begin <= n < end of the scheme, each at x^n, F^n, sigma^n and v^{n-1/2}; pass N records and does not advance.
+
+    Parameters
+    ----------
+    running : Array
+        Power and work at t^{n-1}, energy given so far, impulse to t^{n-1/2} (3 + d,): carried from call to call.
+    dt : float
+        Time step [s].
+    body : Array
+        b at t^n of these passes, (end - begin, P, d) in the order of the problem or (end - begin, n, d) at nodes [m/s^2]; empty for
+        none.
+    output : int
+        The next output.
+    sources : int
+        Not to be passed; see `SOURCES`.
+
+    Returns
+    -------
+    tuple of int
+        Status, the number of passes recorded since the start, and of outputs; UNSORTED when the particles are to be sorted before it
+        goes on.
+
+    References
+    ----------
+    Sulsky, Chen and Schreyer, 1994, doi:10.1016/0045-7825(94)90112-0; Sulsky, Zhou and Schreyer, 1995,
+    doi:10.1016/0010-4655(94)00170-7; Bardenhagen, 2002, doi:10.1006/jcph.2002.7103 (USF and USL); Zhang, Chen and Liu, The
+    Material Point Method, 2017 (the leapfrog form); de Vaucorbeil, Nguyen and Hutchinson, 2020,
+    doi:10.1016/j.cma.2019.112783 (total Lagrangian).
+    """
+    massless = MASSLESS * particles.mass[0]
+    count, last, strayed = strips.passed.size, histories.mass.size - 1, False
+    x, y, z = grid.axes[0], grid.axes[min(1, len(grid.lower) - 1)], grid.axes[len(grid.lower) - 1]
+    added, force = np.zeros(len(grid.lower)), np.zeros(len(grid.lower))
+    for n in range(begin, end):
+        if strayed or (count > 1 and n - begin == INTERVAL):
+            return UNSORTED, n, output
+        clear(nodes)
+        load, forces = n - begin, scheme.schedule != USF or n == 0
+        if sweep(TO_GRID, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, forces) == FAILED:
+            return LEFT_GRID, n, output
+        nodal_velocity(grid, nodes, faces, n, massless, nodes.velocity, added)
+        if not forces:
+            passed = sweep(STRAIN_ALONE, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, True)
+            if passed == FAILED:
+                return INVERTED, n, output
+        accelerate(scheme, grid, nodes, faces, body, load, n, dt, massless)
+        recording = outputs.step[output] == n
+        if recording:
+            record_fields(scheme, grid, particles, nodes, outputs, output, n, dt)
+        kick, step = leapfrog(n, dt)
+        power = external_force_and_power(grid, nodes, kick, force)
+        kick_nodes(grid, nodes, step)
+        passed = sweep(TO_PARTICLES, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, n < last)
+        status = record_histories(scheme, grid, nodes, strips, histories, running, added, force, power, n, dt)
+        if status != COMPLETED:
+            return status, n, output
+        output += recording
+        if n == last:
+            break
+        if scheme.schedule == MUSL:
+            nodal_velocity(grid, nodes, faces, n + 1, massless, nodes.projected, added)
+            passed = sweep(STRAIN_ALONE, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, True)
+        if passed == FAILED:
+            return INVERTED, n + 1, output
+        strayed = passed == STRAYED
+    return COMPLETED, end, output
+
+
+march_in_threads = compiled(march, {"sweep": compiled(sweep, {}, parallel=True)}, cache=True, nogil=True)
+march = compiled(march, {"sweep": compiled(sweep, {})}, cache=True)

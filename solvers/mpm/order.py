@@ -1,0 +1,135 @@
+"""Order of the particles: by cell for the memory, and in strips that threads may work on at the same time."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from mpmverify.problem import Array
+
+from .compilation import SOURCES, jit
+from .state import Grid, Integers, Particles, Scheme
+from .stencil import cells_from_end, place
+
+# mypy: disable-error-code="no-untyped-def"
+
+LARGE = 5_000
+"""Fewer particles stay in one strip: they fit into the cache in any order, and threads cost more than they bring."""
+MOST_STRIPS = 16
+INTERVAL = 20
+"""Steps after which the particles are sorted again, though none has left its strip."""
+
+
+class Strips(NamedTuple):
+    """S strips of cells across the last axis, each with its particles.
+
+    First particle of each strip and the number of particles (S + 1,), first row of cells of each strip and the number of rows
+    (S + 1,), how far its particles may go before they are sorted again (S, 2) [m], what the passes say of each strip (S,) and the
+    sums that they leave (S, 2 + d).
+    """
+
+    particles: Integers
+    rows: Integers
+    limits: Array
+    passed: Integers
+    sums: Array
+
+
+def strips(lower: float, h: float, rows: int, width: int, particles: int, dimension: int, moving: bool) -> Strips:
+    """Strips for a grid of so many rows of cells: of the same length, and not so short that two of one colour could meet.
+
+    Notes
+    -----
+    Strips are worked on at the same time when they are of one colour, each second one. A particle may have left its strip by a
+    row, and touches the nodes of `width` rows from its own: between two strips of a colour lie width + 1 rows. Where functions stay
+    with their material points (`moving` false), particles do not leave their strips.
+    """
+    count = min(MOST_STRIPS, rows // (width + 1)) // 2 * 2 if particles >= LARGE else 1
+    count = max(count, 1)
+    first = (np.arange(count + 1) * rows // count).astype(np.int64)
+    limits = np.stack([lower + h * (first[:-1] - 1), lower + h * (first[1:] + 1)], axis=1)
+    if count == 1 or not moving:
+        limits[:] = -np.inf, np.inf
+    held = np.zeros(count + 1, dtype=np.int64)
+    held[1:] = particles
+    return Strips(held, first, limits, np.ones(count, dtype=np.int64), np.zeros((count, 2 + dimension)))
+
+
+@jit
+def cell_of(scheme: Scheme, grid: Grid, particles: Particles, p: int):
+    """Number of the cell of a particle, x fastest; -1 when it is not on the grid."""
+    x = place(scheme, grid, particles, p)
+    cell, stride = 0, 1
+    for k in range(len(x)):
+        s = cells_from_end(grid.axes[k], x[k], grid.scale)
+        if not 0 <= s <= grid.axes[k].cells:
+            return -1
+        cell += stride * min(int(s), grid.axes[k].cells - 1)
+        stride *= grid.axes[k].cells
+    return cell
+
+
+@jit
+def permute(array, order, spare) -> None:
+    """Rows of an array (P, n) in another order."""
+    for p in range(order.size):
+        for c in range(array.shape[1]):
+            spare[p, c] = array[order[p], c]
+    for p in range(order.size):
+        for c in range(array.shape[1]):
+            array[p, c] = spare[p, c]
+
+
+@jit
+def permute_affine(affine, order, spare) -> None:
+    """Rows of the affine part in another order, where there is one."""
+    if affine.ndim == 2:
+        permute(affine, order, spare)
+
+
+@jit
+def permute_values(array, order, spare) -> None:
+    """Values (P,) in another order."""
+    for p in range(order.size):
+        spare[p] = array[order[p]]
+    for p in range(order.size):
+        array[p] = spare[p]
+
+
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def sort(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, sources: int = SOURCES) -> bool:
+    """Sort the particles by cell (counting sort, stable) and share them out among the strips; False when one is off the grid."""
+    cells = 1
+    for k in range(len(grid.lower)):
+        cells *= grid.axes[k].cells
+    row_of_cells = cells // grid.axes[len(grid.lower) - 1].cells
+    count = particles.mass.size
+    cell = np.empty(count, dtype=np.int64)
+    start = np.zeros(cells + 1, dtype=np.int64)
+    for p in range(count):
+        cell[p] = cell_of(scheme, grid, particles, p)
+        if cell[p] < 0:
+            return False
+        start[cell[p] + 1] += 1
+    for c in range(cells):
+        start[c + 1] += start[c]
+    for s in range(strips.rows.size):
+        strips.particles[s] = start[strips.rows[s] * row_of_cells]
+    order = np.empty(count, dtype=np.int64)
+    for p in range(count):
+        order[start[cell[p]]] = p
+        start[cell[p]] += 1
+    permute_values(particles.place, order, cell)
+    spare = np.empty((count, particles.F.shape[1]))
+    for array in (
+        particles.reference,
+        particles.position,
+        particles.velocity,
+        particles.F,
+        particles.stress,
+    ):
+        permute(array, order, spare)
+    permute_affine(particles.affine, order, spare)
+    for values in (particles.mass, particles.volume):
+        permute_values(values, order, spare[:, 0])
+    return True

@@ -1,0 +1,127 @@
+"""Vectors and rows of arrays as tuples of floats; numba knows their length and drops the branches of the others."""
+
+from mpmverify.problem import Array
+
+from .compilation import jit
+
+Vector = tuple[float, ...]
+
+
+@jit
+def row(array: Array, p: int, like: Vector) -> Vector:
+    """Row p of an array (P, n), n the length of `like`."""
+    if len(like) == 1:
+        return (array[p, 0],)
+    if len(like) == 2:
+        return (array[p, 0], array[p, 1])
+    if len(like) == 3:
+        return (array[p, 0], array[p, 1], array[p, 2])
+    if len(like) == 4:
+        return (array[p, 0], array[p, 1], array[p, 2], array[p, 3])
+    first, second = (array[p, 0], array[p, 1], array[p, 2]), (array[p, 3], array[p, 4], array[p, 5])
+    if len(like) == 6:
+        return (*first, *second)
+    return (*first, *second, array[p, 6], array[p, 7], array[p, 8])
+
+
+@jit
+def store(array: Array, p: int, values: Vector) -> None:
+    """Write row p of an array (P, n)."""
+    for c in range(len(values)):
+        array[p, c] = values[c]
+
+
+@jit
+def axpy(a: float, x: Vector, y: Vector) -> Vector:
+    """Sum a x + y."""
+    if len(x) == 1:
+        return (a * x[0] + y[0],)
+    if len(x) == 2:
+        return (a * x[0] + y[0], a * x[1] + y[1])
+    if len(x) == 3:
+        return (a * x[0] + y[0], a * x[1] + y[1], a * x[2] + y[2])
+    if len(x) == 4:
+        return (a * x[0] + y[0], a * x[1] + y[1], a * x[2] + y[2], a * x[3] + y[3])
+    first = (a * x[0] + y[0], a * x[1] + y[1], a * x[2] + y[2])
+    second = (a * x[3] + y[3], a * x[4] + y[4], a * x[5] + y[5])
+    return (*first, *second, a * x[6] + y[6], a * x[7] + y[7], a * x[8] + y[8])
+
+
+@jit
+def scale(a: float, x: Vector) -> Vector:
+    """Product a x."""
+    if len(x) == 1:
+        return (a * x[0],)
+    if len(x) == 2:
+        return (a * x[0], a * x[1])
+    if len(x) == 3:
+        return (a * x[0], a * x[1], a * x[2])
+    if len(x) == 4:
+        return (a * x[0], a * x[1], a * x[2], a * x[3])
+    first, second = (a * x[0], a * x[1], a * x[2]), (a * x[3], a * x[4], a * x[5])
+    return (*first, *second, a * x[6], a * x[7], a * x[8])
+
+
+@jit
+def dot(x: Vector, y: Vector) -> float:
+    """Product x . y."""
+    if len(x) == 1:
+        return x[0] * y[0]
+    if len(x) == 2:
+        return x[0] * y[0] + x[1] * y[1]
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+
+
+@jit
+def columns(T: Vector, factor: Vector) -> tuple[Vector, ...]:
+    """Columns of a row-major tensor, each times its factor."""
+    if len(T) == 1:
+        return ((factor[0] * T[0],),)
+    if len(T) == 4:
+        return (factor[0] * T[0], factor[0] * T[2]), (factor[1] * T[1], factor[1] * T[3])
+    return (
+        (factor[0] * T[0], factor[0] * T[3], factor[0] * T[6]),
+        (factor[1] * T[1], factor[1] * T[4], factor[1] * T[7]),
+        (factor[2] * T[2], factor[2] * T[5], factor[2] * T[8]),
+    )
+
+
+@jit
+def with_mass(m: float, v: Vector) -> Vector:
+    """Mass and momentum, (m, m v)."""
+    if len(v) == 1:
+        return (m, m * v[0])
+    if len(v) == 2:
+        return (m, m * v[0], m * v[1])
+    return (m, m * v[0], m * v[1], m * v[2])
+
+
+@jit
+def constant(a: float, like: Vector) -> Vector:
+    """As many times a as `like` is long."""
+    if len(like) == 1:
+        return (a,)
+    if len(like) == 2:
+        return (a, a)
+    return (a, a, a)
+
+
+@jit
+def null(like: Vector) -> tuple[Vector, Vector, Vector]:
+    """Null vector, tensor and symmetric tensor of the dimension of a vector."""
+    if len(like) == 1:
+        return (0.0,), (0.0,), (0.0,)
+    if len(like) == 2:
+        return (0.0, 0.0), (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@jit
+def by_columns(T: Vector, factor: Vector) -> Vector:
+    """Row-major tensor with each column times its factor."""
+    if len(T) == 1:
+        return (T[0] * factor[0],)
+    if len(T) == 4:
+        return (T[0] * factor[0], T[1] * factor[1], T[2] * factor[0], T[3] * factor[1])
+    x, y, z = factor
+    return (T[0] * x, T[1] * y, T[2] * z, T[3] * x, T[4] * y, T[5] * z, T[6] * x, T[7] * y, T[8] * z)

@@ -1,0 +1,203 @@
+"""What every variant of the material point method must keep, to round-off, for any particles: bases x transfers x dimensions."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from mpmverify.problem import Constant, Discretisation, LinearElastic, NeoHookean, Periodic, Problem, Traction
+from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend
+from mpmverify.solvers.mpm.passes import PASSED, grid_to_particles, particles_to_grid
+from mpmverify.solvers.mpm.passes import TPIC as TPIC_KIND
+from mpmverify.solvers.mpm.solver import node_positions
+from mpmverify.solvers.mpm.state import Nodes
+from mpmverify.solvers.mpm.stencil import affine_stencil, local, stencil
+
+FREE = Traction(Constant(0.0))
+TRANSFERS = (FLIP, PIC, blend(0.7), APIC, TPIC)
+VARIANTS = [
+    MaterialPoint(schedule, transfer, basis, formulation)
+    for transfer, basis, schedule, formulation in itertools.product(
+        TRANSFERS, ("linear", "quadratic", "cubic"), ("USF", "USL", "MUSL"), ("updated", "total")
+    )
+]
+MATERIALS = (LinearElastic(1.0, 1.0, 0.3), NeoHookean(1.0, 1.0, 0.2))
+
+
+class Random:
+    """Any velocities, small enough for no particle to leave the grid from the faces inwards."""
+
+    def __init__(self, seed, dimension):
+        self.seed, self.dimension = seed, dimension
+
+    def __call__(self, X):
+        inwards = -0.2 * (X - X.mean(axis=0)) / np.ptp(X, axis=0)
+        return inwards + 0.02 * np.random.default_rng(self.seed).normal(size=X.shape)
+
+
+def box(dimension, material, seed, faces=FREE, end_time=0.8):
+    names = [axis + side for axis in "xyz"[:dimension] for side in "-+"]
+    return Problem(
+        "box",
+        (0.5,) * dimension,
+        (4.5,) * dimension,
+        material,
+        dict.fromkeys(names, faces),
+        end_time,
+        {"velocity": Random(seed, dimension)},
+    )
+
+
+def by_axis(solution, name, dimension):
+    names = [name] if dimension == 1 else [f"{name}_{axis}" for axis in "xyz"[:dimension]]
+    return np.stack([solution.histories[entry] for entry in names], axis=1)
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+@pytest.mark.parametrize("faces", [FREE, Periodic()], ids=["free", "periodic"])
+@pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: variant.name)
+def test_mass_and_linear_momentum(variant, faces, dimension):
+    seed = len(variant.name) + dimension
+    problem = box(dimension, MATERIALS[seed % 2], seed, faces)
+    solution = variant.solve(problem, Discretisation(1.0, 0.3, 2, jitter=0.3, seed=seed))
+    assert solution.outcome.completed, str(solution.outcome)
+    mass, momentum = solution.histories["mass"], by_axis(solution, "momentum", dimension)
+    assert mass == pytest.approx(4.0**dimension, rel=1e-13)
+    scale = np.sqrt(2 * mass * solution.histories["kinetic_energy"]).max()
+    assert momentum - momentum[0] == pytest.approx(by_axis(solution, "impulse", dimension), abs=1e-13 * scale)
+    assert by_axis(solution, "impulse", dimension) == pytest.approx(0, abs=1e-13 * scale)
+
+
+# One pass on particles anywhere in the box, of any velocity, stress and affine part.
+
+
+def cloud(variant, dimension, seed):
+    """State of a variant with random particles in a free box, and its nodes' positions."""
+    random = np.random.default_rng(seed)
+    problem, at = box(dimension, LinearElastic(1.0, 1.0, 0.3), seed), Discretisation(1.0, 0.3, 2)
+    grid = variant._grid(problem, at)
+    count = 60
+    X = random.uniform(0.5, 4.5, (count, dimension))
+    particles = variant._particles(problem, X, random.uniform(0.1, 1.0, count))
+    particles.velocity[:] = random.normal(size=X.shape)
+    particles.affine[:] = random.normal(size=particles.affine.shape)
+    particles.stress[:] = random.normal(size=particles.stress.shape)
+    positions = node_positions(grid.axes)
+    nodes = Nodes(*(np.zeros((len(positions), n)) for n in (1 + dimension, *[dimension] * 5)))
+    return variant._scheme(problem), grid, particles, nodes, positions
+
+
+def to_grid(scheme, grid, particles, nodes):
+    passed = particles_to_grid(scheme, grid, particles, nodes, np.zeros((0, 0, 0)), 0, True, 0, len(particles.mass))
+    assert passed == PASSED
+
+
+def moment(x, v):
+    """Antisymmetric sum of x v^T - v x^T: the angular momentum, or a torque, in any dimension."""
+    outer = np.einsum("pi,pj->ij", x, v)
+    return outer - outer.T
+
+
+def affine_moment(scheme, grid, particles):
+    """Angular momentum m (B - B^T) of the affine parts, where TPIC keeps B D^-1."""
+    dimension = len(grid.lower)
+    if particles.affine.ndim == 1:
+        return np.zeros((dimension, dimension))
+    B = particles.affine.reshape(-1, dimension, dimension).copy()
+    if scheme.affine == TPIC_KIND:
+        for p, x in enumerate(particles.position):
+            s = local(grid.axes, tuple(x), grid.scale)
+            B[p] *= affine_stencil(grid.axes, s, grid, stencil(grid.axes, s, grid)[1])[1]
+    total = np.einsum("p,pij->ji", particles.mass, B)  # v = B (x_I - x): x v^T has the rows of x, the columns of v
+    return total - total.T
+
+
+clouds = pytest.mark.parametrize(
+    "variant",
+    [MaterialPoint("USL", transfer, basis) for transfer in TRANSFERS for basis in ("linear", "quadratic", "cubic")],
+    ids=lambda variant: variant.name,
+)
+dimensions = pytest.mark.parametrize("dimension", [1, 2, 3])
+
+
+@dimensions
+@clouds
+def test_particles_to_grid_keeps_mass_and_linear_and_angular_momentum(variant, dimension):
+    scheme, grid, particles, nodes, positions = cloud(variant, dimension, seed=dimension)
+    to_grid(scheme, grid, particles, nodes)
+    momentum, m = nodes.inertia[:, 1:], particles.mass[:, None]
+    assert nodes.inertia[:, 0].sum() == pytest.approx(m.sum(), rel=1e-14)
+    assert momentum.sum(axis=0) == pytest.approx((m * particles.velocity).sum(axis=0), abs=1e-12)
+    expected = moment(particles.position, m * particles.velocity) + affine_moment(scheme, grid, particles)
+    assert moment(positions, momentum) == pytest.approx(expected, abs=1e-11)
+
+
+@dimensions
+@clouds
+def test_internal_forces_have_no_sum_and_no_torque(variant, dimension):
+    scheme, grid, particles, nodes, positions = cloud(variant, dimension, seed=10 + dimension)
+    to_grid(scheme, grid, particles, nodes)
+    scale = np.abs(nodes.internal).sum()
+    assert nodes.internal.sum(axis=0) == pytest.approx(0, abs=1e-14 * scale)
+    assert moment(positions, nodes.internal) == pytest.approx(0, abs=1e-13 * scale)
+
+
+def stepped(variant, dimension, seed, acceleration):
+    """A cloud before and after a pass from the grid to the particles, with any acceleration of the grid."""
+    scheme, grid, particles, nodes, positions = cloud(variant, dimension, seed)
+    to_grid(scheme, grid, particles, nodes)
+    mass = nodes.inertia[:, :1].copy()
+    nodes.velocity[:] = np.divide(nodes.inertia[:, 1:], mass, out=np.zeros_like(nodes.velocity), where=mass > 0)
+    before = particles.velocity.copy(), nodes.velocity.copy()
+    nodes.acceleration[:] = acceleration * np.random.default_rng(seed).normal(size=nodes.velocity.shape) * (mass > 0)
+    dt, x = 0.01, particles.position.copy()
+    nodes.velocity[:] += dt * nodes.acceleration
+    momentum = mass * nodes.velocity
+    limits, sums = np.array([-np.inf, np.inf]), np.zeros(2 + dimension)
+    assert grid_to_particles(scheme, grid, particles, nodes, 1, dt, True, limits, sums, 0, len(x)) == PASSED
+    return scheme, grid, particles, nodes, positions, mass, momentum, x, before, dt
+
+
+@dimensions
+@clouds
+def test_grid_to_particles_keeps_linear_momentum(variant, dimension):
+    *_, particles, _, _, _, momentum, _, before, dt = stepped(variant, dimension, 20 + dimension, 1.0)
+    found = (particles.mass[:, None] * particles.velocity).sum(axis=0)
+    assert found == pytest.approx(momentum.sum(axis=0), abs=1e-12)
+    assert dt > 0
+    assert not np.array_equal(before[0], particles.velocity)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@clouds
+def test_apic_keeps_angular_momentum_over_a_step_and_pic_and_flip_do_not(variant, dimension):
+    """About the old places, since the grid is where it was; x_p + dt v_p moves along the momentum of APIC and PIC itself."""
+    scheme, grid, particles, _, positions, _, momentum, x, *_ = stepped(variant, dimension, 30 + dimension, 1.0)
+    found = moment(x, particles.mass[:, None] * particles.velocity)
+    if variant.transfer is APIC:
+        found += affine_moment(scheme, grid, particles)
+    lost = np.abs(found - moment(positions, momentum)).max()
+    if variant.transfer is APIC:
+        assert lost < 1e-11
+    elif variant.transfer is not TPIC:
+        assert lost > 1e-5
+
+
+@dimensions
+@pytest.mark.parametrize("basis", ["linear", "quadratic", "cubic"])
+def test_flip_loses_the_energy_of_the_lumped_less_the_consistent_mass(basis, dimension):
+    """dK_particles - dK_grid = -(1/2) dv^T (M_lumped - M_consistent) dv <= 0."""
+    _, grid, particles, nodes, _, mass, _, x, before, dt = stepped(MaterialPoint("USL", FLIP, basis), dimension, 40, 3.0)
+    N = np.zeros((len(x), len(mass)))
+    strides = np.array(grid.stride)
+    for p, place in enumerate(x):
+        first, w, _ = stencil(grid.axes, local(grid.axes, tuple(place), grid.scale), grid)
+        for index in itertools.product(*(range(len(along)) for along in w)):
+            N[p, first + strides @ index] = np.prod([along[i] for along, i in zip(w, index, strict=True)])
+    consistent = N.T @ (particles.mass[:, None] * N)
+    dv = dt * nodes.acceleration
+    dK_particles = (particles.mass[:, None] * (particles.velocity**2 - before[0] ** 2)).sum() / 2
+    dK_grid = (mass * (nodes.velocity**2 - before[1] ** 2)).sum() / 2
+    lost = -np.einsum("ic,ij,jc->", dv, np.diag(mass[:, 0]) - consistent, dv) / 2
+    assert dK_particles - dK_grid == pytest.approx(lost, rel=1e-9)
+    assert lost < 0
