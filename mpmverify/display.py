@@ -20,8 +20,8 @@ from mpmverify.summary import counts, matrix, ranked
 from mpmverify.synthetic import total
 
 STYLES = {Verdict.PASS: "green", Verdict.INCONCLUSIVE: "yellow", Verdict.FAIL: "bold red", Verdict.ERROR: "bold magenta"}
-WIDTH = 180
-"""Of lines for nobody's terminal: a matrix of eight studies and the longest names of solvers."""
+WIDTH = 200
+"""Of lines for nobody's terminal: a matrix of nine studies and the longest names of solvers."""
 LISTED = 20
 """Verdicts explained below the table unless all are asked for."""
 COLOURS = {

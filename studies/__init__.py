@@ -15,6 +15,7 @@ NAMES = (
     "driven-bar",
     "dispersion",
     "error-sources",
+    "large-deformation",
 )
 BASELINE = Path(__file__).with_name("baseline.json")
 """Accepted errors of the regression gate."""
