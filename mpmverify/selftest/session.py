@@ -69,7 +69,7 @@ class Session:
     baseline: Baseline
     tier: str = "quick"
     jobs: int = 1
-    timeout: float = 60.0
+    timeout: float = 120.0
 
     def run(self, progress: Progress = lambda *_: None) -> SelfTest:
         """Run the unmodified solvers, and the faults and random series when those pass.
