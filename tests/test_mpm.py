@@ -3,6 +3,7 @@
 import itertools
 from dataclasses import replace
 
+import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -24,7 +25,7 @@ from mpmverify.problem import (
     Velocity,
 )
 from mpmverify.solution import Status
-from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, solver
+from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, order, solver
 from mpmverify.solvers.mpm.layout import place_particles
 
 FIXED, FREE = Velocity(), Traction()
@@ -341,3 +342,46 @@ def test_jitter_moves_particles_by_no_more_than_it_says_and_by_its_seed_alone(ji
 def test_a_jitter_that_would_leave_the_cell_and_a_seed_without_one_are_refused(choices, said):
     with pytest.raises(UsageError, match=said):
         Discretisation(1.0, 0.5, **choices)
+
+
+# Strips and threads.
+
+
+class Swirl:
+    """Velocities that carry particles across cells and strips."""
+
+    def __call__(self, X):
+        x, y = 2 * np.pi * X.T
+        return 0.2 * np.stack([np.sin(x / 2) * np.cos(y), np.sin(y / 2) * np.cos(x)], axis=1)
+
+
+@pytest.mark.parametrize("schedule", ["USF", "MUSL"])
+def test_the_number_of_threads_does_not_change_a_digit(schedule, monkeypatch):
+    square = Problem(
+        "square",
+        (0.0, 0.0),
+        (1.0, 1.0),
+        NeoHookean(1.0, 1.0),
+        dict.fromkeys(("x-", "x+", "y-", "y+"), FIXED),
+        0.5,
+        {"velocity": Swirl()},
+    )
+    level, variant = Discretisation(1 / 40, 0.3, 2), MaterialPoint(schedule)
+    assert level.ppc**2 * 40**2 >= order.LARGE, "enough particles for strips"
+    monkeypatch.setattr(solver, "MANY", np.inf)
+    serial = variant.solve(square, level)
+    assert serial.outcome.completed
+    assert np.abs(serial.fields["displacement"]).max() > level.h, "particles cross cells"
+    monkeypatch.setattr(solver, "MANY", 0)
+    all_threads = numba.config.NUMBA_NUM_THREADS
+    try:
+        numba.set_num_threads(1)
+        one = variant.solve(square, level)
+        numba.set_num_threads(all_threads)
+        several = variant.solve(square, level)
+    finally:
+        numba.set_num_threads(all_threads)
+    for name, values in one.arrays().items():
+        assert np.array_equal(several.arrays()[name], values), name
+        # Compiled for threads or not, sums and products are contracted as the compiler likes.
+        assert values == pytest.approx(serial.arrays()[name], abs=1e-11 * np.abs(values).max())
