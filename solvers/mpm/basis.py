@@ -11,6 +11,9 @@ from mpmverify.problem import Array
 
 from .compilation import jit
 
+# Tuples whose length decides what a function returns have no annotation.
+# mypy: disable-error-code="no-untyped-def"
+
 DEGREES = {"linear": 1, "quadratic": 2, "cubic": 3}
 
 
@@ -72,20 +75,20 @@ def _polynomials(knots: Array, degree: int) -> Array:
 
 
 @jit
-def quadratic(c, piece, k, xi):  # type: ignore[no-untyped-def]
+def quadratic(c, piece, k, xi):
     """Value and derivative by xi of function k."""
     return c[piece, k, 0] + xi * (c[piece, k, 1] + xi * c[piece, k, 2]), c[piece, k, 1] + 2 * xi * c[piece, k, 2]
 
 
 @jit
-def cubic(c, piece, k, xi):  # type: ignore[no-untyped-def]
+def cubic(c, piece, k, xi):
     """Value and derivative by xi of function k."""
     value = c[piece, k, 0] + xi * (c[piece, k, 1] + xi * (c[piece, k, 2] + xi * c[piece, k, 3]))
     return value, c[piece, k, 1] + xi * (2 * c[piece, k, 2] + 3 * xi * c[piece, k, 3])
 
 
 @jit
-def along(axis, s, scale, width):  # type: ignore[no-untyped-def]
+def along(axis, s, scale, width):
     """First function, N (W,) [1] and dN/dx (W,) [1/m] at s cells from the lower end; `scale` is 1/h, `width` any W numbers."""
     cell = min(int(s), axis.cells - 1)
     xi = s - cell
@@ -105,7 +108,7 @@ def along(axis, s, scale, width):  # type: ignore[no-untyped-def]
 
 
 @jit
-def affine_along(axis, s, scale, N):  # type: ignore[no-untyped-def]
+def affine_along(axis, s, scale, N):
     """N (x_I - x)/D (W,) [1/m] and D = sum_I N (x_I - x)^2 [m^2]; D of the hat is 0 at a node, where the quotient is dN/dx."""
     cell = min(int(s), axis.cells - 1)
     if len(N) == 2:

@@ -5,6 +5,7 @@ from mpmverify.problem import Array
 from .compilation import jit
 from .state import Faces, Grid, Nodes, Scheme
 
+# Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 

@@ -28,6 +28,7 @@ from .passes import (
 )
 from .state import Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme
 
+# Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 COMPLETED, UNSTABLE, NON_FINITE, LEFT_GRID, INVERTED, UNSORTED = range(6)

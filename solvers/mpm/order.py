@@ -11,6 +11,7 @@ from .compilation import SOURCES, jit
 from .state import Grid, Integers, Particles, Scheme
 from .stencil import cells_from_end, place
 
+# Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 LARGE = 5_000

@@ -11,6 +11,7 @@ from .tensors import deform, det, full
 from .transfer import gather, gather_tensor, spread, spread_tensor
 from .vectors import Vector, axpy, by_columns, columns, constant, dot, null, row, scale, store, with_mass
 
+# Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 USF, USL, MUSL = range(3)

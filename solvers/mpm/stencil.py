@@ -5,6 +5,7 @@ from .compilation import jit
 from .state import Grid, Particles, Scheme
 from .vectors import Vector, row
 
+# Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 

@@ -8,6 +8,7 @@ of them: the derivatives d, whose products are dN_Ip/dx_k, or the affine ones. N
 from .compilation import jit
 from .vectors import axpy, row
 
+# Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
