@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from from_python import callable_from_python
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpmverify.solvers.mpm.basis import DEGREES, affine_along, along, spline_axis
+from mpmverify.solvers.mpm import basis
+from mpmverify.solvers.mpm.basis import DEGREES, spline_axis
 from mpmverify.solvers.mpm.faces import integrals
 
+along, affine_along = callable_from_python(basis.along), callable_from_python(basis.affine_along)
 degrees = st.sampled_from(sorted(DEGREES.values()))
 axes = st.tuples(st.integers(1, 9), degrees, st.booleans())
 local = st.floats(0, 1, exclude_max=True)

@@ -4,15 +4,18 @@ import itertools
 
 import numpy as np
 import pytest
+from from_python import callable_from_python
 
 from mpmverify.problem import Constant, Discretisation, LinearElastic, NeoHookean, Periodic, Problem, Traction
-from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend
-from mpmverify.solvers.mpm.passes import PASSED, grid_to_particles, particles_to_grid
+from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, passes
+from mpmverify.solvers.mpm import stencil as stencils
+from mpmverify.solvers.mpm.passes import PASSED
 from mpmverify.solvers.mpm.passes import TPIC as TPIC_KIND
 from mpmverify.solvers.mpm.solver import node_positions
 from mpmverify.solvers.mpm.state import Nodes
-from mpmverify.solvers.mpm.stencil import affine_stencil, local, stencil
 
+particles_to_grid, grid_to_particles = map(callable_from_python, (passes.particles_to_grid, passes.grid_to_particles))
+local, stencil, affine_stencil = map(callable_from_python, (stencils.local, stencils.stencil, stencils.affine_stencil))
 FREE = Traction(Constant(0.0))
 TRANSFERS = (FLIP, PIC, blend(0.7), APIC, TPIC)
 VARIANTS = [

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from from_python import entries
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -23,9 +24,10 @@ from mpmverify.material import (
     PlaneStress,
     SaintVenantKirchhoff,
 )
-from mpmverify.solvers.mpm import constitution
+from mpmverify.solvers import mpm
 from mpmverify.solvers.mpm.constitution import LAWS
 
+constitution = entries(mpm.constitution)
 DT = 0.01
 HYPERELASTIC = [law(7.0, 2.0, 0.3) for law in (NeoHookean, NeoHookeanSplit, Hencky, SaintVenantKirchhoff)]
 SMALL_STRAIN = [

@@ -2,13 +2,16 @@
 
 import numpy as np
 import pytest
+from from_python import entries
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numba import njit
 from numba.core.errors import TypingError
 
-from mpmverify.solvers.mpm import tensors
+from mpmverify.solvers import mpm
+
+tensors = entries(mpm.tensors)
 
 PLACES = {1: ([0], [0]), 2: ([0, 1, 0], [0, 1, 1]), 3: ([0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0])}
 """Row and column of each component of a symmetric tensor."""

@@ -47,7 +47,7 @@ STATUSES = {
 }
 BLOCK = 4_000_000
 """Most body-force values held at once: 32 MB."""
-MANY = 20_000
+MANY = 50_000
 """So many particles are worth several threads."""
 
 
