@@ -25,7 +25,7 @@ from mpmverify.problem import (
     Velocity,
 )
 from mpmverify.solution import Status
-from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, order, solver
+from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
 from mpmverify.solvers.mpm.layout import place_particles
 
 FIXED, FREE = Velocity(), Traction()
@@ -94,6 +94,43 @@ def test_the_gradient_of_the_hat_is_second_order_in_the_middle_of_the_cell():
 def test_pic_damps_at_first_order(formulation):
     found = series(axial_vibration(v0=1e-4), MaterialPoint(transfer=PIC, formulation=formulation), (64, 128, 256))
     assert orders(found) == pytest.approx(1, abs=0.1)
+
+
+@pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
+@pytest.mark.parametrize("transfer", [xpic(2), xpic(3), fmpm(2), fmpm(3)], ids=lambda transfer: transfer.name)
+def test_a_second_term_takes_back_what_pic_damps_at_first_order(transfer, schedule):
+    variant = MaterialPoint(schedule, transfer, formulation="total")
+    for quantity in ("displacement", "velocity"):
+        found = series(axial_vibration(v0=1e-4), variant, (32, 64, 128), quantity=quantity)
+        assert np.all(orders(found) > 1.85), quantity
+
+
+@pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
+def test_a_series_of_one_term_is_pic(schedule):
+    problem, at = axial_vibration(v0=1e-2).problem, Discretisation(25 / 16, 0.3, 2)
+    expected = MaterialPoint(schedule, PIC).solve(problem, at).arrays()
+    for transfer in (xpic(1), fmpm(1)):
+        found = MaterialPoint(schedule, transfer).solve(problem, at).arrays()
+        assert all(np.array_equal(found[name], values) for name, values in expected.items())
+
+
+@pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
+@pytest.mark.parametrize("transfer", [xpic(3), fmpm(3)], ids=lambda transfer: transfer.name)
+@pytest.mark.parametrize("basis", ["linear", "quadratic"])
+def test_what_a_held_node_takes_from_a_series_is_impulse(basis, transfer, schedule):
+    problem = axial_vibration(3, "fixed-free", v0=1e-2).problem
+    found = MaterialPoint(schedule, transfer, basis, "total").solve(problem, Discretisation(25 / 16, 0.3, 2)).histories
+    scale = np.sqrt(2 * found["mass"] * found["kinetic_energy"]).max()
+    assert np.abs(found["impulse"]).max() > 0.01 * scale
+    assert found["momentum"] - found["momentum"][0] == pytest.approx(found["impulse"], abs=1e-13 * scale)
+
+
+@pytest.mark.parametrize(("make", "order"), [(xpic, 0), (fmpm, 0), (fmpm, 1.5)])
+def test_a_series_has_a_term_or_more(make, order):
+    with pytest.raises(UsageError, match="one term or more"):
+        make(order)
+    with pytest.raises(UsageError, match="between 0"):
+        Transfer("mine", 2.0)
 
 
 def test_crossing_stalls_the_updated_hat_but_neither_the_spline_nor_the_total_lagrangian():

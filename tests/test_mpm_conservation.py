@@ -7,7 +7,7 @@ import pytest
 from from_python import callable_from_python
 
 from mpmverify.problem import Constant, Discretisation, LinearElastic, NeoHookean, Periodic, Problem, Traction
-from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, passes
+from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, fmpm, passes, xpic
 from mpmverify.solvers.mpm import stencil as stencils
 from mpmverify.solvers.mpm.passes import PASSED
 from mpmverify.solvers.mpm.passes import TPIC as TPIC_KIND
@@ -17,7 +17,7 @@ from mpmverify.solvers.mpm.state import Nodes
 particles_to_grid, grid_to_particles = map(callable_from_python, (passes.particles_to_grid, passes.grid_to_particles))
 local, stencil, affine_stencil = map(callable_from_python, (stencils.local, stencils.stencil, stencils.affine_stencil))
 FREE = Traction(Constant(0.0))
-TRANSFERS = (FLIP, PIC, blend(0.7), APIC, TPIC)
+TRANSFERS = (FLIP, PIC, blend(0.7), APIC, TPIC, xpic(3), fmpm(2))
 VARIANTS = [
     MaterialPoint(schedule, transfer, basis, formulation)
     for transfer, basis, schedule, formulation in itertools.product(
@@ -86,7 +86,7 @@ def cloud(variant, dimension, seed):
     particles.affine[:] = random.normal(size=particles.affine.shape)
     particles.stress[:] = random.normal(size=particles.stress.shape)
     positions = node_positions(grid.axes)
-    nodes = Nodes(*(np.zeros((len(positions), n)) for n in (1 + dimension, *[dimension] * 5)))
+    nodes = Nodes(*(np.zeros((len(positions), n)) for n in (1 + dimension, *[dimension] * 6)))
     return variant._scheme(problem), grid, particles, nodes, positions
 
 

@@ -1,6 +1,6 @@
 """Explicit material point method."""
 
 from .solver import MaterialPoint
-from .transfers import APIC, FLIP, PIC, TPIC, Transfer, blend
+from .transfers import APIC, FLIP, PIC, TPIC, Transfer, blend, fmpm, xpic
 
-__all__ = ["APIC", "FLIP", "PIC", "TPIC", "MaterialPoint", "Transfer", "blend"]
+__all__ = ["APIC", "FLIP", "PIC", "TPIC", "MaterialPoint", "Transfer", "blend", "fmpm", "xpic"]

@@ -106,6 +106,41 @@ def accelerate(
 
 
 @jit
+def begin_series(nodes: Nodes, values) -> None:
+    """Values of the nodes (n, d) as the first term of a series; the momentum is set to zero for what the particles make of it."""
+    for i in range(nodes.inertia.shape[0]):
+        for c in range(values.shape[1]):
+            nodes.term[i, c] = values[i, c]
+            nodes.inertia[i, 1 + c] = 0.0
+
+
+@jit
+def add_term(grid: Grid, nodes: Nodes, faces: Faces, massless: float, total, force: bool, added) -> None:
+    """t_I <- t_I - p_I/m_I, nothing where it is held, and `total` (n, d) += t: the next term of sum_j (I - S^+ S)^j.
+
+    What a held node is refused counts as its reaction for a series of accelerations (`force`), else as momentum `added` (d,).
+    """
+    join(grid, nodes.inertia)
+    for i in range(nodes.inertia.shape[0]):
+        mass = nodes.inertia[i, 0]
+        for c in range(len(grid.lower)):
+            nodes.term[i, c] = nodes.term[i, c] - nodes.inertia[i, 1 + c] / mass if mass > massless else 0.0
+            nodes.inertia[i, 1 + c] = 0.0
+    for k in range(faces.held.shape[0]):
+        i, c = faces.held[k, 0], faces.held[k, 1]
+        refused = nodes.inertia[i, 0] * nodes.term[i, c]
+        if force:
+            nodes.external[i, c] -= refused
+        else:
+            added[c] -= refused
+        nodes.term[i, c] = 0.0
+    repeat(grid, nodes.term)
+    for i in range(nodes.inertia.shape[0]):
+        for c in range(len(grid.lower)):
+            total[i, c] += nodes.term[i, c]
+
+
+@jit
 def external_force_and_power(grid: Grid, nodes: Nodes, kick: float, force) -> float:
     """Sum of the external forces into `force` (d,), and their power sum_I f_I v_I at t^n."""
     power = 0.0

@@ -1,6 +1,7 @@
 """The compiled time loop of the explicit material point method."""
 
 from math import isfinite
+from typing import Any
 
 import numpy as np
 from numba import njit, prange
@@ -10,7 +11,7 @@ from mpmverify.problem import Array
 from .basis import Axis
 from .compilation import SOURCES, compiled, jit
 from .constitution import Constants
-from .grid import accelerate, clear, external_force_and_power, kick_nodes, leapfrog, nodal_velocity
+from .grid import accelerate, add_term, begin_series, clear, external_force_and_power, kick_nodes, leapfrog, nodal_velocity
 from .order import INTERVAL, Strips
 from .passes import (
     FAILED,
@@ -24,6 +25,7 @@ from .passes import (
     grid_to_particles,
     particles_to_grid,
     record_fields,
+    smooth,
     strain_particles,
 )
 from .state import Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme
@@ -34,7 +36,7 @@ from .state import Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme
 COMPLETED, UNSTABLE, NON_FINITE, LEFT_GRID, INVERTED, UNSORTED = range(6)
 POWER, WORK, GIVEN, IMPULSE = range(4)
 """Of what is carried from step to step; the impulse takes one place for each direction."""
-TO_GRID, TO_PARTICLES, STRAIN_ALONE = range(3)
+TO_GRID, TO_PARTICLES, STRAIN_ALONE, SMOOTH = range(4)
 GROWTH = 100.0
 """A run is unstable when its kinetic energy exceeds all the energy that it was ever given by this factor."""
 MASSLESS = 1e-12
@@ -117,13 +119,13 @@ def sweep(
     A loop in threads takes arrays and flat tuples: what is nested is taken apart before and put together in it. In less than
     three dimensions the axes that are missing repeat the last one.
     """
-    (schedule, affine, flip, total, nodal_body, law, constants) = scheme
+    (schedule, affine, flip, terms, full_mass, total, nodal_body, law, constants) = scheme
     lame, shear, time = constants
     _, lower, scale, stride, width, ghosts = grid
     count = strips.passed.size
     for colour in range(2):
         for k in prange((count + 1 - colour) // 2):
-            choices = Scheme(schedule, affine, flip, total, nodal_body, law, Constants(lame, shear, time))
+            choices = Scheme(schedule, affine, flip, terms, full_mass, total, nodal_body, law, Constants(lame, shear, time))
             space = Grid(joined_axes(lower, x, y, z), lower, scale, stride, width, ghosts)
             s = 2 * k + colour
             first, stop = strips.particles[s], strips.particles[s + 1]
@@ -133,6 +135,8 @@ def sweep(
                 passed = grid_to_particles(
                     choices, space, particles, nodes, n, dt, choice, strips.limits[s], strips.sums[s], first, stop
                 )
+            elif kind == SMOOTH:
+                passed = smooth(choices, space, particles, nodes, first, stop)
             else:
                 passed = strain_particles(choices, space, particles, nodes, dt, strips.limits[s], first, stop)
             strips.passed[s] = passed
@@ -140,6 +144,34 @@ def sweep(
     for s in range(count):
         worst = min(worst, strips.passed[s])
     return worst
+
+
+def refine(
+    scheme: Scheme,
+    grid: Grid,
+    x: Axis,
+    y: Axis,
+    z: Axis,
+    particles,
+    nodes,
+    faces,
+    strips,
+    body,
+    massless,
+    values,
+    total,
+    force,
+    added,
+):
+    """Add the terms 0 < j < k of sum_{j < k} (I - S^+ S)^j to `total` (n, d), from the velocities or accelerations `values` (n, d).
+
+    S takes nodes to particles and S^+ back, with the lumped mass: the more terms, the closer comes the sum to what the full mass
+    would have given.
+    """
+    begin_series(nodes, values)
+    for _ in range(scheme.terms - 1):
+        sweep(SMOOTH, scheme, grid, x, y, z, particles, nodes, strips, body, 0, 0, 0.0, True)
+        add_term(grid, nodes, faces, massless, total, force, added)
 
 
 def march(
@@ -200,11 +232,20 @@ def march(
         if sweep(TO_GRID, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, forces) == FAILED:
             return LEFT_GRID, n, output
         nodal_velocity(grid, nodes, faces, n, massless, nodes.velocity, added)
+        if scheme.terms > 1:
+            total = nodes.velocity
+            if not scheme.full_mass:
+                total = nodes.projected
+                total[:] = 0.0
+            refine(scheme, grid, x, y, z, particles, nodes, faces, strips, body, massless, nodes.velocity, total, False, added)
         if not forces:
             passed = sweep(STRAIN_ALONE, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, True)
             if passed == FAILED:
                 return INVERTED, n, output
         accelerate(scheme, grid, nodes, faces, body, load, n, dt, massless)
+        if scheme.full_mass:
+            same = nodes.acceleration
+            refine(scheme, grid, x, y, z, particles, nodes, faces, strips, body, massless, same, same, True, force)
         recording = outputs.step[output] == n
         if recording:
             record_fields(scheme, grid, particles, nodes, outputs, output, n, dt)
@@ -220,6 +261,9 @@ def march(
             break
         if scheme.schedule == MUSL:
             nodal_velocity(grid, nodes, faces, n + 1, massless, nodes.projected, added)
+            if scheme.full_mass:
+                same = nodes.projected
+                refine(scheme, grid, x, y, z, particles, nodes, faces, strips, body, massless, same, same, False, added)
             passed = sweep(STRAIN_ALONE, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, True)
         if passed == FAILED:
             return INVERTED, n + 1, output
@@ -227,5 +271,10 @@ def march(
     return COMPLETED, end, output
 
 
-march_in_threads = compiled(march, {"sweep": compiled(sweep, {}, parallel=True)}, cache=True, nogil=True)
-march = compiled(march, {"sweep": compiled(sweep, {})}, cache=True)
+def _assembled(march: Any, of_sweep: dict[str, bool], **options: bool) -> Any:
+    passes = {"sweep": compiled(sweep, {}, **of_sweep)}
+    return compiled(march, passes | {"refine": compiled(refine, passes, **options)}, cache=True, **options)
+
+
+march_in_threads = _assembled(march, {"parallel": True}, nogil=True)
+march = _assembled(march, {})

@@ -78,6 +78,17 @@ def particles_to_grid(
 
 
 @jit
+def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, begin: int, end: int) -> int:
+    """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of the nodes, to the particles and back."""
+    zero, _, _ = null(grid.lower)
+    for p in range(begin, end):
+        first, w, _ = stencil(grid.axes, local(grid.axes, place(scheme, grid, particles, p), grid.scale), grid)
+        t = gather(nodes.term, first, grid.stride, w, zero)
+        spread(nodes.inertia, 1, first, grid.stride, w, scale(particles.mass[p], t))
+    return PASSED
+
+
+@jit
 def strain(scheme: Scheme, particles: Particles, p: int, like: Vector, increment: Vector, dt: float) -> bool:
     """F += dt dv/dX or F = (I + dt dv/dx) F, and the stress that the law makes of it; False at a law or a volume that meets J <= 0."""
     _, tensor, symmetric = null(like)
@@ -122,7 +133,8 @@ def grid_to_particles(
     begin: int,
     end: int,
 ) -> int:
-    """Sums at t^n; then, to `advance`, v_p = flip (v_p + dt sum_I N_I a_I) + (1 - flip) sum_I N_I v_I and what else a step changes.
+    """Sums at t^n; then, to `advance`, v_p = flip (v_p + dt sum_I N_I a_I) + (1 - flip) sum_I N_I v_I, with the correction
+    of XPIC, and what else a step changes.
 
     Half of dt for the velocities at n = 0. USL: strain and stress. USF and USL: x_p += dt sum_I N_I v_I. MUSL: the new
     momentum goes to the grid, which leaves both to `strain_particles`. FAILED at J <= 0, STRAYED when a particle passes the limits of
@@ -145,6 +157,8 @@ def grid_to_particles(
         if not advance:
             continue
         v = axpy(scheme.flip, axpy(step, a, before), scale(1 - scheme.flip, moved))
+        if scheme.terms > 1 and not scheme.full_mass:
+            v = axpy(1.0, gather(nodes.projected, first, grid.stride, w, zero), v)
         store(particles.velocity, p, v)
         gather_affine(scheme, grid, particles.affine, nodes, p, s, first, w, gradient)
         if scheme.schedule == MUSL:

@@ -120,11 +120,13 @@ class MaterialPoint:
     def orders(self) -> Mapping[str, float]:
         """Formal orders in h while no particle crosses a cell.
 
-        PIC damps at first order; the affine transfers keep what it smooths, and damp at second order. The gradient of the hat is
+        PIC damps at first order; the affine transfers keep what it smooths, and damp at second order, as XPIC and FMPM do with two
+        terms. The gradient of the hat is
         constant in a cell, thus second order in its middle only (`ppc` = 1). The lumped mass of the clamped spline is off its node by
         O(h) in the two functions at each end: half an order in L2 there, of the acceleration that FLIP adds to the velocity, too.
         """
-        if self.transfer.flip < 1 and not self.transfer.affine:
+        damped = self.transfer.flip < 1 and not self.transfer.affine and self.transfer.terms == 1
+        if damped:
             return {"displacement": 1.0, "velocity": 1.0, "stress": 1.0}
         if self.basis != "linear":
             return {"displacement": 2.0, "velocity": 2.0 if self.transfer.affine else 1.5, "stress": 1.5}
@@ -149,7 +151,7 @@ class MaterialPoint:
             grid,
             particles,
             Nodes(
-                *(np.zeros((math.prod(len(axis.nodes) for axis in grid.axes), n)) for n in (1 + dimension, *[dimension] * 5))
+                *(np.zeros((math.prod(len(axis.nodes) for axis in grid.axes), n)) for n in (1 + dimension, *[dimension] * 6))
             ),
             tabulate_faces(problem, grid.axes, discretisation.h, steps, dt),
             self._strips(problem, discretisation, grid, count),
@@ -233,6 +235,8 @@ class MaterialPoint:
             SCHEDULES[self.schedule],
             self.transfer.affine,
             float(self.transfer.flip),
+            self.transfer.terms,
+            self.transfer.full_mass and self.transfer.terms > 1,
             self.formulation == "total",
             self.body_force_at == "nodes",
             *constitution(problem.material),

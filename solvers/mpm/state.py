@@ -14,13 +14,16 @@ Integers = NDArray[np.int64]
 
 
 class Scheme(NamedTuple):
-    """Choices of the scheme: schedule, affine part of the transfer, share of FLIP, formulation, where the body force
+    """Choices of the scheme: schedule, affine part of the transfer, share of FLIP, terms of the series for the velocity and whether they
+    stand for the inverse of the full mass, formulation, where the body force
     acts, law and its constants.
     """
 
     schedule: int
     affine: int
     flip: float
+    terms: int
+    full_mass: bool
     total: bool
     nodal_body: bool
     law: int
@@ -61,7 +64,8 @@ class Particles(NamedTuple):
 class Nodes(NamedTuple):
     """m_I and p_I in one array (n, 1 + d) [kg, kg m/s]; the others (n, d).
 
-    v_I, v_I of the momentum projected again [m/s], a_I [m/s^2], internal and external f_I [N].
+    v_I, v_I of the momentum projected again or the correction of XPIC [m/s], a_I [m/s^2], internal and external f_I [N], and a term
+    of the series of XPIC and FMPM [m/s or m/s^2].
 
     In less than three dimensions masses and forces are per unit of the area or length that is left out.
     """
@@ -72,6 +76,7 @@ class Nodes(NamedTuple):
     acceleration: Array
     internal: Array
     external: Array
+    term: Array
 
 
 class Faces(NamedTuple):

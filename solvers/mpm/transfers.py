@@ -20,20 +20,28 @@ class Transfer:
         Share of the increment of velocity (FLIP), the rest is the velocity itself (PIC) [1].
     affine : int
         What of the velocity's variation about a particle it keeps: nothing, its moment or its gradient.
+    terms : int
+        k of the series sum_{j < k} (I - S^+ S)^j that takes back what PIC smooths: S from nodes to particles, S^+ back.
+    full_mass : bool
+        Whether velocity and acceleration of the nodes are that of the series (FMPM), or what it adds goes to the particles (XPIC).
 
     Raises
     ------
     UsageError
-        If the share of FLIP is not between 0 and 1.
+        If the share of FLIP is not between 0 and 1, or the series has no term.
     """
 
     name: str
     flip: float
     affine: int = NO_AFFINE
+    terms: int = 1
+    full_mass: bool = False
 
     def __post_init__(self) -> None:
         if not 0 <= self.flip <= 1:
             raise UsageError(f"the share of FLIP lies between 0 (PIC) and 1 (FLIP), not {self.flip!r}")
+        if not (isinstance(self.terms, int) and self.terms >= 1):
+            raise UsageError(f"a series of XPIC or FMPM has one term or more, not {self.terms!r}")
 
 
 FLIP = Transfer("flip", 1.0)
@@ -56,3 +64,48 @@ def blend(flip: float) -> Transfer:
         If the share is not between 0 and 1.
     """
     return Transfer(f"blend{100 * flip:.12g}", float(flip))
+
+
+def xpic(order: int) -> Transfer:
+    """Extended PIC of an order m; of the first it is PIC.
+
+    v_p = sum_I N_Ip (sum_{j < m} (I - S^+ S)^j v + dt a)_I: what PIC smooths comes back but for its part of order m in h^2.
+
+    Parameters
+    ----------
+    order : int
+        m.
+
+    Raises
+    ------
+    UsageError
+        If it is not positive.
+
+    References
+    ----------
+    Hammerquist and Nairn, 2017, doi:10.1016/j.cma.2017.01.035.
+    """
+    return Transfer(f"xpic{order}", 0.0, terms=order)
+
+
+def fmpm(order: int) -> Transfer:
+    """Full-mass MPM of an order k; of the first it is PIC.
+
+    The velocity of the grid is sum_{j < k} (I - S^+ S)^j (v + dt a), which comes to that of the full mass matrix; particles take
+    it, move and strain with it.
+
+    Parameters
+    ----------
+    order : int
+        k.
+
+    Raises
+    ------
+    UsageError
+        If it is not positive.
+
+    References
+    ----------
+    Nairn and Hammerquist, 2021, doi:10.1016/j.cma.2021.113667.
+    """
+    return Transfer(f"fmpm{order}", 0.0, terms=order, full_mass=True)
