@@ -23,6 +23,7 @@ from .parts import (
     Share,
     SourceRow,
 )
+from .theory import Theory
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,8 @@ class CaseSection:
     """A case on the page of its study.
 
     `figures` is JSON for the script, safe within HTML; `charted` tells whether any error can be drawn against what its ladder
-    refines, and `dispersive` whether frequencies were measured; `maps` are the titles of the dominance maps. A case whose frequencies
-    were measured and whose orders nobody judges is not charted and has no tables.
+    refines; `theory` is there where something was measured that a scheme's own theory knows, and `maps` are the titles of the
+    dominance maps. A case that has a theory, and whose orders nobody judges, is not charted and has no tables.
     """
 
     anchor: str
@@ -44,7 +45,7 @@ class CaseSection:
     quantities: tuple[Option, ...]
     norms: tuple[Option, ...]
     charted: bool
-    dispersive: bool
+    theory: Theory | None
     curves: tuple[Curve, ...]
     wave_quantities: tuple[Option, ...]
     thumbnail_quantity: str

@@ -7,7 +7,7 @@ from typing import Any
 
 from mpmverify.gate import Finding, Verdict
 
-from . import charts, dispersion
+from . import charts
 from .balances import balances
 from .dominance import maps, source_rows
 from .equations import mathml
@@ -28,6 +28,7 @@ from .pages import CaseSection, StudyPage
 from .parts import Curve, Fact, Group, Link, Option, RunRow, Scheme
 from .record import Case, Measure, Record, Series
 from .styles import STROKES, Style, selection, styles
+from .theory import Theory, theory
 from .thumbnails import thumbnail
 
 DOUBTFUL = 8
@@ -87,9 +88,9 @@ def _section(
     sources = list(dict.fromkeys(finding.source for finding in findings))
     units = {quantity: unit for entry in series if entry.profile for quantity, unit in entry.profile.units.items()}
     first = case.shown if case.shown in units else next(iter(units), "")
-    dispersive = any(list(dispersion.measured(entry)) for entry in series)
+    known_theory = theory(series, looks)
     # On few cells a mode is out of phase by many periods at the final time: where nobody judges its error, it tells no order.
-    convergent = not dispersive or any(entry.bands for entry in series)
+    convergent = known_theory is None or any(entry.bands for entry in series)
     ladders = [entry for entry in series if entry.axis and convergent]
     known = measures(ladders)
     dominance = maps(series)
@@ -104,7 +105,7 @@ def _section(
         quantities=_options([q for q, _ in known], shown and shown[0], {}),
         norms=_options([norm for _, norm in known], shown and shown[1], NORM_NAMES),
         charted=_charted(ladders),
-        dispersive=dispersive,
+        theory=known_theory,
         curves=_curves(series, looks, shown, first),
         wave_quantities=_options(list(units), first, {}),
         thumbnail_quantity=first,
@@ -115,7 +116,7 @@ def _section(
         sources=tuple(sources),
         runs=tuple(row for entry in series for row in _runs(entry, runs)),
         cost=_cost(series),
-        figures=_figures(series, looks, known, units, outputs, dominance),
+        figures=_figures(series, looks, known, known_theory, units, outputs, dominance),
     )
 
 
@@ -202,6 +203,7 @@ def _figures(
     series: Sequence[Series],
     looks: Sequence[Style],
     known: Sequence[Measure],
+    known_theory: Theory | None,
     units: dict[str, str],
     outputs: int,
     dominance: list[charts.Figure],
@@ -221,7 +223,7 @@ def _figures(
         )
     body = {
         "convergence": charts.convergence(series, looks, known),
-        "dispersion": dispersion.figure(series, looks),
+        "theory": known_theory and known_theory.figure,
         "dominance": dominance,
         "waves": charts.wave_figures(units),
         "history": charts.history_layout(),

@@ -16,6 +16,7 @@ NAMES = (
     "dispersion",
     "error-sources",
     "large-deformation",
+    "mpm-stability",
 )
 BASELINE = Path(__file__).with_name("baseline.json")
 """Accepted errors of the regression gate."""

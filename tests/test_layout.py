@@ -22,7 +22,7 @@ MAPPED = {
 LAYERS = (
     {"errors"},
     {"atomic", "material", "quantities", "shapes", "boundary", "problem", "verdict"},
-    {"solution", "waves"},
+    {"solution", "waves", "bisection"},
     {"exact", "norms", "convergence", "gate", "baseline", "criteria", "synthetic", "axis", "superposition", "separation"},
     {"study"},
     {"dataset"},

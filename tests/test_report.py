@@ -322,9 +322,9 @@ def test_what_follows_a_mode_alone_has_its_chooser_and_no_convergence(tmp_path: 
     store(results, dataclasses.replace(declared, cases=(dataclasses.replace(case, series=series),)))
     store(results, study("judged", ("good",)))
     render(results)
-    for name, charts_shown in (("sample", ["dispersion"]), ("judged", ["convergence", "dispersion"])):
+    for name, charts_shown in (("sample", ["theory"]), ("judged", ["convergence", "theory"])):
         text = (results.report / f"{name}.html").read_text(encoding="utf-8")
-        assert [kind for kind in ("convergence", "dispersion") if f'data-chart="{kind}"' in text] == charts_shown
+        assert [kind for kind in ("convergence", "theory") if f'data-chart="{kind}"' in text] == charts_shown
         assert text.count('<fieldset class="curves">') == 1, "the curves are chosen in one place"
         assert text.index('<fieldset class="curves">') > text.index(f'data-chart="{charts_shown[0]}"')
         assert ("below it the observed order" in text) == ("convergence" in charts_shown)
@@ -355,13 +355,13 @@ def test_nothing_from_a_file_becomes_markup(stored: tuple[Results, list]) -> Non
 
 def test_measured_frequencies_lie_on_the_chart_of_the_series_that_has_them(stored: tuple[Results, list]) -> None:
     page = pages(stored[0])["sample.html"]
-    lines, markers = strict(page.data[0])["dispersion"]["data"]
+    lines, markers = strict(page.data[0])["theory"]["data"]
     assert (lines["mode"], markers["mode"]) == ("lines", "markers")
     assert lines["meta"] == markers["meta"] == {"series": 0}
     assert markers["x"] == lines["x"] == sorted(2 * h for h in SIZES)
     assert markers["y"] == pytest.approx([1 - h**2 for h in sorted(SIZES)], rel=1e-4)
     assert "ω/(ck) = 0.999939" in markers["text"][0]
-    assert 'data-chart="dispersion"' in (stored[0].report / "sample.html").read_text(encoding="utf-8")
+    assert 'data-chart="theory"' in (stored[0].report / "sample.html").read_text(encoding="utf-8")
 
 
 def test_figures_are_strict_json_in_bounded_space(stored: tuple[Results, list]) -> None:

@@ -8,6 +8,7 @@ from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays,
 from mpmverify.criteria.modes import Amplification
 from mpmverify.criteria.outcomes import Unstable
 from mpmverify.criteria.sources import Separated
+from mpmverify.criteria.stability import StabilityLimit
 from mpmverify.criteria.sums import FieldSums
 from mpmverify.criteria.waves import AmplitudeDecay, Dispersion, FrontPosition, PhaseError
 
@@ -27,6 +28,7 @@ __all__ = [
     "PhaseError",
     "Published",
     "Separated",
+    "StabilityLimit",
     "Stall",
     "Unstable",
 ]
@@ -45,6 +47,7 @@ CRITERIA: Mapping[str, type[Any]] = {
         EnergyConserved,
         EnergyDecays,
         Unstable,
+        StabilityLimit,
         Amplification,
         Dispersion,
         PhaseError,

@@ -112,11 +112,15 @@ def symbols(theta: Array, ppc: int, degree: int) -> tuple[Array, Array]:
         Phase angles k h (n,) [rad].
     ppc : int
         Particles per cell, at (i + 1/2)/ppc.
-    degree : {1, 2}
+    degree : {1, 2, 3}
     """
     x = (np.arange(ppc) + 0.5) / ppc
     if degree == 1:
         N, dN = np.stack([1 - x, x]), np.stack([-np.ones(ppc), np.ones(ppc)])
+    elif degree == 3:
+        y = 1 - x
+        N = np.stack([y**3, 4 - 3 * x**2 * (2 - x), 4 - 3 * y**2 * (2 - y), x**3]) / 6
+        dN = np.stack([-(y**2), -x * (4 - 3 * x), y * (4 - 3 * y), x**2]) / 2
     else:
         N, dN = np.stack([(1 - x) ** 2, 1 + 2 * x * (1 - x), x**2]) / 2, np.stack([x - 1, 1 - 2 * x, x])
     wave = np.exp(1j * theta[:, None] * np.arange(degree + 1))

@@ -133,8 +133,8 @@ class Case {
     return { data: shown, layout: { ...layout, yaxis: { ...layout.yaxis, title: { text: titles[this.measure], standoff: 8 } } } };
   }
 
-  dispersion() {
-    const { data, layout } = this.figures.dispersion;
+  theory() {
+    const { data, layout } = this.figures.theory;
     return { data: data.filter(({ meta }) => this.chosen().has(meta.series)), layout };
   }
 
@@ -257,7 +257,7 @@ class Case {
 
   figure(kind) {
     if (kind === "convergence") return this.convergence();
-    if (kind === "dispersion") return this.dispersion();
+    if (kind === "theory") return this.theory();
     if (kind === "profile") return this.profile();
     if (kind.startsWith("dominance-")) return this.figures.dominance[Number(kind.slice(10))];
     if (kind.startsWith("history-")) return this.history(Number(kind.slice(8)));
@@ -282,7 +282,7 @@ class Case {
   }
 
   refreshSeries() {
-    for (const kind of ["convergence", "dispersion"]) this.refresh(kind);
+    for (const kind of ["convergence", "theory"]) this.refresh(kind);
   }
 
   refreshWaves() {

@@ -1,0 +1,63 @@
+"""Criterion on the largest stable time step of a solver that has searched for it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from mpmverify.criteria.judging import judge_largest
+from mpmverify.errors import UsageError
+from mpmverify.exact.stability import LIMITS
+from mpmverify.gate import Evidence, Judgement, Setting, Verdict
+from mpmverify.solution import Solution
+
+
+@dataclass(frozen=True)
+class StabilityLimit:
+    """The Courant number of the last stable run of a `Bisection` is the limit of von Neumann's analysis, on every level.
+
+    Parameters
+    ----------
+    scheme : str
+        Name in `mpmverify.exact.stability.LIMITS`.
+    bound : float
+        Largest deviation relative to the limit.
+    source : str
+
+    Raises
+    ------
+    UsageError
+        If the scheme has no known limit.
+    """
+
+    scheme: str
+    bound: float
+    source: str
+
+    metrics: ClassVar[tuple[str, str]] = ("stability_limit", "theoretical_stability_limit")
+    """Courant numbers [1]: measured, and of the theory."""
+
+    def __post_init__(self) -> None:
+        if self.scheme not in LIMITS:
+            raise UsageError(f"the limit of stability of {self.scheme!r} is unknown: choose from {', '.join(LIMITS)}")
+
+    @property
+    def title(self) -> str:
+        return f"limit of stability of {self.scheme} to {self.bound:g}"
+
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
+        at = setting.discretisation
+        measured = solution.dt * setting.problem.problem.material.wave_speed / at.h
+        return dict(zip(self.metrics, (measured, LIMITS[self.scheme](at.ppc)), strict=True))
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        measured, theory = (evidence.metrics[name] for name in self.metrics)
+        if not (evidence.courant > (1 + self.bound) * theory).all():
+            return Verdict.ERROR, "a level does not reach beyond the limit: give it a larger Courant number"
+        verdict, reason = judge_largest(np.abs(measured / theory - 1), self.bound, "deviation of the limit")
+        pairs = ", ".join(
+            f"{found:.4f} for {known:.4f} at {ppc:g} ppc"
+            for found, known, ppc in zip(measured, theory, evidence.ppc, strict=True)
+        )
+        return verdict, f"{reason}: nu_C = {pairs}"

@@ -1,0 +1,146 @@
+"""A ring of an elastic bar in which every wave that a grid can carry stands at once."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpmverify.boundary import Periodic
+from mpmverify.errors import UsageError
+from mpmverify.exact.solution import ExactSolution, VerificationProblem
+from mpmverify.material import LinearElastic
+from mpmverify.problem import Array, Problem
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Standing waves of a ring, n = 1 to N, of one amplitude of strain.
+
+    Parameters
+    ----------
+    count : int
+        N.
+    strain : float
+        e0 [1].
+    length, wave_speed : float
+        L [m], c [m/s].
+    """
+
+    count: int
+    strain: float
+    length: float
+    wave_speed: float
+
+    def waves(self, X: Array, t: Array) -> tuple[Array, Array, Array]:
+        """Wave numbers (N,) [rad/m], phases k X + phi (1, P, N) and k c t (T, 1, N)."""
+        n = np.arange(1, self.count + 1)
+        k = 2 * np.pi * n / self.length
+        return k, (X * k + np.pi * n**2 / self.count + np.pi / 2)[None], self.wave_speed * t[:, None, None] * k
+
+    def displacement(self, X: Array, t: Array) -> Array:
+        """Sum_n e0/k cos(k c t) sin(k X + phi) (T, P, 1) [m]."""
+        k, at, kct = self.waves(X, t)
+        return np.sum(self.strain / k * np.cos(kct) * np.sin(at), axis=2, keepdims=True)
+
+    def velocity(self, X: Array, t: Array) -> Array:
+        """Minus sum_n c e0 sin(k c t) sin(k X + phi) (T, P, 1) [m/s]."""
+        _, at, kct = self.waves(X, t)
+        return -self.wave_speed * self.strain * np.sum(np.sin(kct) * np.sin(at), axis=2, keepdims=True)
+
+    def gradient(self, X: Array, t: Array) -> Array:
+        """Sum_n e0 cos(k c t) cos(k X + phi) (T, P, 1) [1]."""
+        _, at, kct = self.waves(X, t)
+        return self.strain * np.sum(np.cos(kct) * np.cos(at), axis=2, keepdims=True)
+
+
+@dataclass(frozen=True)
+class ModesField:
+    """One of the fields of the modes: "displacement", "velocity" or "gradient", times a factor."""
+
+    modes: Modes
+    kind: str
+    factor: float = 1.0
+
+    def __call__(self, X: Array, t: Array) -> Array:
+        return self.factor * np.asarray(getattr(self.modes, self.kind)(X, t))
+
+
+@dataclass(frozen=True)
+class AtFirst:
+    """A field at t = 0, (P, 1)."""
+
+    field: ModesField
+
+    def __call__(self, X: Array) -> Array:
+        return self.field(X, np.zeros(1))[0]
+
+
+def ring_modes(
+    cells: int = 40,
+    *,
+    length: float = 2.0,
+    youngs_modulus: float = 9.0,
+    density: float = 4.0,
+    strain: float = 1e-4,
+    crossings: float = 25.0,
+) -> VerificationProblem:
+    """Ring that is let go with every wave length from L down to two cells, all of the same strain.
+
+    Parameters
+    ----------
+    cells : int
+        Of the grid whose shortest wave is the last; even.
+    length, youngs_modulus, density : float
+        L [m], E [Pa], rho [kg/m^3].
+    strain : float
+        Amplitude of the strain of a wave [1].
+    crossings : float
+        Final time in L/c: the number of steps is that of the cells times this, over the Courant number.
+
+    Raises
+    ------
+    UsageError
+        If the number of cells is not positive and even.
+
+    Notes
+    -----
+    The phases pi n^2/N + pi/2 keep the waves from adding up in one place; the shortest one has its strain in the middle of the
+    cells. The final time is no multiple of a period.
+    """
+    if cells < 2 or cells % 2:
+        raise UsageError(f"the shortest wave of a ring takes two cells: their number is even, not {cells!r}")
+    material = LinearElastic(youngs_modulus, density)
+    modes = Modes(cells // 2, strain, length, material.wave_speed)
+    displacement, velocity, gradient, stress = (
+        ModesField(modes, "displacement"),
+        ModesField(modes, "velocity"),
+        ModesField(modes, "gradient"),
+        ModesField(modes, "gradient", youngs_modulus),
+    )
+    return VerificationProblem(
+        problem=Problem(
+            name=f"ring-modes-{cells}",
+            lower=(0.0,),
+            upper=(length,),
+            material=material,
+            boundary={"x-": Periodic(), "x+": Periodic()},
+            end_time=crossings * length / material.wave_speed / math.sqrt(1.001),
+            initial={
+                "displacement": AtFirst(displacement),
+                "displacement_gradient": AtFirst(gradient),
+                "stress": AtFirst(stress),
+            },
+            outputs=1,
+        ),
+        exact=ExactSolution(
+            fields={"displacement": displacement, "velocity": velocity, "stress": stress},
+            citation="d'Alembert's solution of the wave equation, as a sum of its standing waves.",
+        ),
+        exposes="The largest Courant number at which no mode of the grid grows.",
+        equations=(
+            r"\rho\, \partial_{tt} u = E\, \partial_{xx} u, \quad \sigma = E\, \partial_x u",
+            r"u(0,t) = u(L,t), \quad \sigma(0,t) = \sigma(L,t)",
+            r"u = \sum_{n=1}^{N} \frac{e_0}{k_n} \cos(k_n c t) \sin(k_n x + \varphi_n), \quad k_n = \frac{2n\pi}{L}, \quad "
+            r"\varphi_n = \frac{\pi n^2}{N} + \frac{\pi}{2}",
+        ),
+    )
