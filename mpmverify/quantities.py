@@ -33,6 +33,8 @@ def components(quantity: str, dimension: int) -> tuple[str, ...]:
     dimension : {1, 2, 3}
         Of the body.
 
+        Angular momentum is a scalar in the plane.
+
     Returns
     -------
     tuple of str
@@ -41,7 +43,7 @@ def components(quantity: str, dimension: int) -> tuple[str, ...]:
     axes = "xyz"[:dimension]
     if dimension == 1:
         return (quantity,)
-    if quantity in VECTORS:
+    if quantity in VECTORS or (quantity == "angular_momentum" and dimension == 3):
         return tuple(f"{quantity}_{axis}" for axis in axes)
     if quantity == "stress":
         return tuple(f"{quantity}_{pair}" for pair in SYMMETRIC[dimension])
@@ -78,6 +80,9 @@ def history_units(dimension: int, *, transported: bool = False) -> dict[str, str
         "kinetic_energy": unit("J", power),
         "strain_energy": unit("J", power),
         "external_work": unit("J", power),
+        "dissipated_energy": unit("J", power),
         "inflow": unit("", dimension),
     }
+    if dimension > 1:
+        table["angular_momentum"] = unit("kg", power + 2, "s-1")
     return {name: units for history, units in table.items() for name in components(history, dimension)}

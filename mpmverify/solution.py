@@ -108,7 +108,9 @@ class Solution:
     - "impulse" [kg/(m s)], the integral in time from 0, by the quadrature of the scheme, of all external forces: tractions, the
       reactions of held or moved ends, and the body force;
     - "kinetic_energy" and "strain_energy" [J/m^2];
-    - "external_work" [J/m^2], the work of the same forces from 0 by the same quadrature, that of the reactions at moved ends too.
+    - "external_work" [J/m^2], the work of the same forces from 0 by the same quadrature, that of the reactions at moved ends too;
+    - "dissipated_energy" [J/m^2], what the material turned into heat from 0 on; zero where it is absent;
+    - "angular_momentum" about the origin, in two dimensions [kg m/s] a scalar, in three [kg m^2/s] a vector.
 
     Those of a transported scalar are "mass" [m], the integral of u over the box, and "inflow" [m], the integral in time from 0 of
     what enters minus what leaves through open ends. A solver that declares to conserve "mass" returns "mass", and "inflow" too

@@ -141,6 +141,19 @@ def test_crossing_stalls_the_updated_hat_but_neither_the_spline_nor_the_total_la
         assert np.all(orders(series(problem, MaterialPoint(basis=basis, formulation="total"), cells)) > 1.85)
 
 
+def test_domains_that_stretch_keep_second_order_when_particles_cross_cells_and_those_that_do_not_lose_it():
+    """Of domains that keep their size the sum has gaps and overlaps."""
+    problem, cells = manufactured(0.05), (8, 16, 32)
+    for basis in ("cpgimp", "cpdi"):
+        assert np.all(orders(series(problem, MaterialPoint("USL", basis=basis), cells)) > 1.9)
+    assert np.all(orders(series(problem, MaterialPoint("USL", basis="ugimp"), cells)) < 1.8)
+
+
+def test_the_gradients_of_moving_least_squares_are_first_order_where_functions_are_not_symmetric():
+    found = series(manufactured(1e-4), MaterialPoint("USL", basis="mls-quadratic", formulation="total"), (16, 32, 64))
+    assert np.all((orders(found) > 0.9) & (orders(found) < 1.4))
+
+
 @pytest.mark.parametrize("formulation", ["updated", "total"])
 @pytest.mark.parametrize("basis", ["linear", "quadratic"])
 def test_a_pulse_of_traction_converges_at_second_order(basis, formulation):
@@ -334,6 +347,7 @@ def test_names_are_made_of_the_choices_and_unique():
         {"formulation": "eulerian"},
         {"body_force_at": "cells"},
         {"body_force_at": "nodes"},
+        {"basis": "cpdi", "transfer": APIC},
     ],
     ids=str,
 )

@@ -7,21 +7,34 @@ import pytest
 from from_python import callable_from_python
 
 from mpmverify.problem import Constant, Discretisation, LinearElastic, NeoHookean, Periodic, Problem, Traction
-from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, fmpm, passes, xpic
+from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, fmpm, passes, transfer, xpic
 from mpmverify.solvers.mpm import stencil as stencils
+from mpmverify.solvers.mpm.basis import BASES
 from mpmverify.solvers.mpm.passes import PASSED
 from mpmverify.solvers.mpm.passes import TPIC as TPIC_KIND
 from mpmverify.solvers.mpm.solver import node_positions
 from mpmverify.solvers.mpm.state import Nodes
 
 particles_to_grid, grid_to_particles = map(callable_from_python, (passes.particles_to_grid, passes.grid_to_particles))
-local, stencil, affine_stencil = map(callable_from_python, (stencils.local, stencils.stencil, stencils.affine_stencil))
+local, support, affine_stencil = map(callable_from_python, (stencils.local, stencils.support, stencils.affine_stencil))
+spread = callable_from_python(transfer.spread)
 FREE = Traction(Constant(0.0))
 TRANSFERS = (FLIP, PIC, blend(0.7), APIC, TPIC, xpic(3), fmpm(2))
 VARIANTS = [
-    MaterialPoint(schedule, transfer, basis, formulation)
-    for transfer, basis, schedule, formulation in itertools.product(
+    MaterialPoint(schedule, by, basis, formulation)
+    for by, basis, schedule, formulation in itertools.product(
         TRANSFERS, ("linear", "quadratic", "cubic"), ("USF", "USL", "MUSL"), ("updated", "total")
+    )
+] + [
+    MaterialPoint(schedule, by, basis)
+    for basis, schedule, by in (
+        ("mls-quadratic", "USL", APIC),
+        ("ugimp", "USF", FLIP),
+        ("ugimp", "MUSL", APIC),
+        ("cpgimp", "MUSL", FLIP),
+        ("cpgimp", "USL", fmpm(2)),
+        ("cpdi", "MUSL", FLIP),
+        ("cpdi", "USF", xpic(2)),
     )
 ]
 MATERIALS = (LinearElastic(1.0, 1.0, 0.3), NeoHookean(1.0, 1.0, 0.2))
@@ -110,14 +123,14 @@ def affine_moment(scheme, grid, particles):
     if scheme.affine == TPIC_KIND:
         for p, x in enumerate(particles.position):
             s = local(grid.axes, tuple(x), grid.scale)
-            B[p] *= affine_stencil(grid.axes, s, grid, stencil(grid.axes, s, grid)[1])[1]
+            B[p] *= affine_stencil(grid.axes, s, grid, support(grid.kind, scheme, grid, particles, p))[1]
     total = np.einsum("p,pij->ji", particles.mass, B)  # v = B (x_I - x): x v^T has the rows of x, the columns of v
     return total - total.T
 
 
 clouds = pytest.mark.parametrize(
     "variant",
-    [MaterialPoint("USL", transfer, basis) for transfer in TRANSFERS for basis in ("linear", "quadratic", "cubic")],
+    [MaterialPoint("USL", by, basis) for by in TRANSFERS for basis in BASES if not (by.affine and basis == "cpdi")],
     ids=lambda variant: variant.name,
 )
 dimensions = pytest.mark.parametrize("dimension", [1, 2, 3])
@@ -156,7 +169,7 @@ def stepped(variant, dimension, seed, acceleration):
     dt, x = 0.01, particles.position.copy()
     nodes.velocity[:] += dt * nodes.acceleration
     momentum = mass * nodes.velocity
-    limits, sums = np.array([-np.inf, np.inf]), np.zeros(2 + dimension)
+    limits, sums = np.array([-np.inf, np.inf]), np.zeros(9)
     assert grid_to_particles(scheme, grid, particles, nodes, 1, dt, True, limits, sums, 0, len(x)) == PASSED
     return scheme, grid, particles, nodes, positions, mass, momentum, x, before, dt
 
@@ -187,16 +200,14 @@ def test_apic_keeps_angular_momentum_over_a_step_and_pic_and_flip_do_not(variant
 
 
 @dimensions
-@pytest.mark.parametrize("basis", ["linear", "quadratic", "cubic"])
+@pytest.mark.parametrize("basis", BASES)
 def test_flip_loses_the_energy_of_the_lumped_less_the_consistent_mass(basis, dimension):
     """dK_particles - dK_grid = -(1/2) dv^T (M_lumped - M_consistent) dv <= 0."""
-    _, grid, particles, nodes, _, mass, _, x, before, dt = stepped(MaterialPoint("USL", FLIP, basis), dimension, 40, 3.0)
-    N = np.zeros((len(x), len(mass)))
-    strides = np.array(grid.stride)
-    for p, place in enumerate(x):
-        first, w, _ = stencil(grid.axes, local(grid.axes, tuple(place), grid.scale), grid)
-        for index in itertools.product(*(range(len(along)) for along in w)):
-            N[p, first + strides @ index] = np.prod([along[i] for along, i in zip(w, index, strict=True)])
+    scheme, grid, particles, nodes, _, mass, _, x, before, dt = stepped(MaterialPoint("USL", FLIP, basis), dimension, 40, 3.0)
+    N, there = np.zeros((len(x), len(mass), 1)), particles._replace(position=x, F=particles.F * 0 + np.eye(dimension).ravel())
+    for p in range(len(x)):
+        spread(grid, N[p], 0, support(grid.kind, scheme, grid, there, p), (1.0,))
+    N = N[:, :, 0]
     consistent = N.T @ (particles.mass[:, None] * N)
     dv = dt * nodes.acceleration
     dK_particles = (particles.mass[:, None] * (particles.velocity**2 - before[0] ** 2)).sum() / 2

@@ -8,6 +8,7 @@ import numpy as np
 from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
 from mpmverify.criteria.judging import are_sizes, judge_largest, relative_defect
 from mpmverify.gate import Evidence, Judgement, Setting, Verdict
+from mpmverify.material import KelvinVoigt, Maxwell
 from mpmverify.problem import Array, LinearElastic, components
 from mpmverify.solution import Solution
 
@@ -77,18 +78,24 @@ DRIFT_ROUND_OFF = 1e-11
 DRIFT, RISE = "energy_drift", "energy_rise"
 
 
-def surplus(solution: Solution) -> tuple[Array, float] | None:
-    """Kinetic plus strain energy less external work (N + 1,), and the largest energy [J/m^2]; None where a history is absent."""
+def surplus(solution: Solution, setting: Setting) -> tuple[Array, float] | None:
+    """Kinetic and strain energy less external work (N + 1,), and the largest energy [J/m^2]; None where a history is absent.
+
+    With the heat of a viscous law, of which an elastic body makes none, whatever its solver says.
+    """
     history = solution.histories
     if not {"kinetic_energy", "strain_energy", "external_work"} <= history.keys():
         return None
     energy = history["kinetic_energy"] + history["strain_energy"]
-    return energy - history["external_work"], float(np.max(np.abs(energy)))
+    total = energy - history["external_work"]
+    if isinstance(setting.problem.problem.material, KelvinVoigt | Maxwell) and "dissipated_energy" in history:
+        total = total + history["dissipated_energy"]
+    return total, float(np.max(np.abs(energy)))
 
 
-def energy_drift(solution: Solution) -> Mapping[str, float]:
-    """Largest drift of kinetic plus strain energy less external work, relative to the largest energy."""
-    if (found := surplus(solution)) is None:
+def energy_drift(solution: Solution, setting: Setting) -> Mapping[str, float]:
+    """Largest drift of kinetic, strain and dissipated energy less external work, relative to the largest energy."""
+    if (found := surplus(solution, setting)) is None:
         return {}
     total, scale = found
     return relative_defect(DRIFT, total - total[0], scale)
@@ -96,7 +103,7 @@ def energy_drift(solution: Solution) -> Mapping[str, float]:
 
 @dataclass(frozen=True)
 class EnergyDrift:
-    """Kinetic plus strain energy less external work stays: its largest relative drift converges at an order in dt or is bounded.
+    """Kinetic, strain and dissipated energy less external work stays: its largest relative drift converges at an order in dt.
 
     Parameters
     ----------
@@ -113,7 +120,7 @@ class EnergyDrift:
         return f"energy drift vanishes at order {self.low:g} or more"
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        return energy_drift(solution)
+        return energy_drift(solution, setting)
 
     def judge(self, evidence: Evidence) -> Judgement:
         drift = evidence.metrics[DRIFT]
@@ -129,7 +136,7 @@ class EnergyDrift:
 
 @dataclass(frozen=True)
 class EnergyConserved:
-    """Kinetic plus strain energy less external work stays, to round-off.
+    """Kinetic, strain and dissipated energy less external work stays, to round-off.
 
     Parameters
     ----------
@@ -146,7 +153,7 @@ class EnergyConserved:
         return f"energy conserved to {self.bound:g}"
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        return energy_drift(solution)
+        return energy_drift(solution, setting)
 
     def judge(self, evidence: Evidence) -> Judgement:
         return judge_largest(evidence.metrics[DRIFT], self.bound, "relative energy drift")
@@ -171,7 +178,7 @@ class EnergyDecays:
         return f"energy never rises by more than {self.bound:g}"
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        if (found := surplus(solution)) is None:
+        if (found := surplus(solution, setting)) is None:
             return {}
         total, scale = found
         return relative_defect(RISE, total - np.minimum.accumulate(total), scale)

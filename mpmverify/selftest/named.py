@@ -12,9 +12,10 @@ BASIS, FACES, GRID, LAW, LAYOUT, LOOP, PASSES, SOLVER, TENSORS = (
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 FEM_LOOP, FEM_SOLVER = "fem/kernel.py", "fem/solver.py"
 
-PROJECTED = "spread(nodes.inertia, 0, first, grid.stride, w, with_mass(m, v))"
-PROJECTED_AGAIN = "spread(nodes.inertia, 1, first, grid.stride, w, scale(m, v))"
-MASS_ALONE = "spread(nodes.inertia, 0, first, grid.stride, w, (m,))\n        "
+PROJECTED = "spread(grid, nodes.inertia, 0, at, with_mass(m, v))"
+PROJECTED_AGAIN = "spread(grid, nodes.inertia, 1, at, scale(m, v))"
+MASS_ALONE = "spread(grid, nodes.inertia, 0, at, (m,))\n        "
+BY_GRADIENT, BY_OTHER = "(at[0], at[2], at[2], at[3]),", "(at[0], (at[1][0][::-1],), at[2], at[3]),"
 LINEAR = "return shifted(lame * trace(eps), 2 * shear, eps)"
 NEO_HOOKEAN = "return shifted((lame * log(J) - shear) / J, shear / J, b)"
 V_SIGMA, V_PIOLA = "constant(-V0 * det(F), like)", "constant(-V0, like)"
@@ -43,14 +44,14 @@ HISTORIC = (
     _fault(
         MPM,
         "momentum weighted by the gradient of the shape function",
-        (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("w,", "d,")),
-        (PASSES, "            " + PROJECTED_AGAIN, "            " + PROJECTED_AGAIN.replace("w,", "d,")),
+        (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at,", BY_GRADIENT)),
+        (PASSES, "            " + PROJECTED_AGAIN, "            " + PROJECTED_AGAIN.replace("at,", BY_GRADIENT)),
     ),
     _fault(
         MPM,
         "momentum weighted by the shape function of the other node",
-        (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("w,", "(w[0][::-1],),")),
-        (PASSES, "            " + PROJECTED_AGAIN, "            " + PROJECTED_AGAIN.replace("w,", "(w[0][::-1],),")),
+        (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at,", BY_OTHER)),
+        (PASSES, "            " + PROJECTED_AGAIN, "            " + PROJECTED_AGAIN.replace("at,", BY_OTHER)),
     ),
     _fault(
         MPM,
@@ -70,8 +71,8 @@ HISTORIC = (
     _fault(
         MPM,
         "particle stress scaled in place by m/rho",
-        (PASSES, "d, T)\n        if", f"d, T)\n            {SCALED}\n        if"),
-        (PASSES, "d, T)\n    return", f"d, T)\n            {SCALED}\n    return"),
+        (PASSES, "at, T)\n        if", f"at, T)\n            {SCALED}\n        if"),
+        (PASSES, "at, T)\n    return", f"at, T)\n            {SCALED}\n    return"),
     ),
     _fault(MPM, "boundary condition on the momentum and not on the force", (GRID, HELD, "")),
     _fault(
@@ -126,7 +127,7 @@ MATERIAL_POINT = (
         MPM,
         "position moved by the particle's velocity",
         (PASSES, MOVED, MOVED.replace("moved", "v")),
-        (PASSES, "moved = gather(nodes.velocity, first, grid.stride, w, zero)", "moved = row(particles.velocity, p, zero)"),
+        (PASSES, "moved = gather(grid, nodes.velocity, at)", "moved = row(particles.velocity, p, zero)"),
     ),
     _fault(
         MPM,
@@ -140,13 +141,13 @@ MATERIAL_POINT = (
         MPM,
         "strain increment from the velocities before the kick",
         (GRID, KICK, KEPT + KICK),
-        (PASSES, "gradient = gather_tensor(nodes.velocity", "gradient = gather_tensor(nodes.projected"),
+        (PASSES, "gradient = gather_tensor(grid, nodes.velocity", "gradient = gather_tensor(grid, nodes.projected"),
         (LOOP, REPROJECT, ""),
     ),
     _fault(
         MPM,
         "acceleration of the nearest node instead of the interpolated one",
-        (PASSES, KICKED, KICKED.replace(" a,", " row(nodes.acceleration, first, zero),")),
+        (PASSES, KICKED, KICKED.replace(" a,", " row(nodes.acceleration, at[0], zero),")),
     ),
     _fault(
         MPM,

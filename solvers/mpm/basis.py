@@ -1,4 +1,4 @@
-"""One-dimensional basis functions, value and derivative together; in more dimensions a basis is their tensor product."""
+"""One-dimensional basis functions, value and derivative together; in more dimensions a basis is made of their products."""
 
 import math
 from typing import NamedTuple
@@ -14,14 +14,44 @@ from .compilation import jit
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
-DEGREES = {"linear": 1, "quadratic": 2, "cubic": 3}
+SPLINES, GIMP, CPDI = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0)
+"""Kinds of basis; their lengths tell them apart where a function is compiled."""
+
+
+class Basis(NamedTuple):
+    """A basis: its kind, the degree of the B-splines of the grid, and how many functions a particle meets along an axis.
+
+    Whether gradients are those of moving least squares, and whether the domain of a particle stretches with it (cpGIMP).
+    """
+
+    kind: tuple[float, ...]
+    degree: int
+    width: int
+    least_squares: bool = False
+    stretched: bool = False
+
+
+BASES = {
+    "linear": Basis(SPLINES, 1, 2),
+    "quadratic": Basis(SPLINES, 2, 3),
+    "cubic": Basis(SPLINES, 3, 4),
+    "mls-quadratic": Basis(SPLINES, 2, 3, least_squares=True),
+    "mls-cubic": Basis(SPLINES, 3, 4, least_squares=True),
+    "ugimp": Basis(GIMP, 1, 3),
+    "cpgimp": Basis(GIMP, 1, 3, stretched=True),
+    "cpdi": Basis(CPDI, 1, 2, stretched=True),
+}
+SHORTEST, LONGEST = 0.1, 0.5
+"""Half the domain of a particle of cpGIMP, in that of the beginning and in cells: a rotation shrinks its diagonal to nothing, and
+beyond half a cell it would meet a fourth function."""
 
 
 class Axis(NamedTuple):
     """Basis along one axis with C cells and functions of width W (as many live on a cell).
 
     Lower end [m], number of cells, whether its ends are joined, piece of each cell (C,), polynomials (pieces, W, W) in the local
-    coordinate, lowest power first, and the nodes (C + W - 1,) at which sum_I x_I N_I(x) = x [m].
+    coordinate, lowest power first, and the nodes at which sum_I x_I N_I(x) = x [m]: C + W - 1, and `padding` more at each end for
+    particles whose domain reaches beyond it.
     """
 
     lower: float
@@ -30,6 +60,7 @@ class Axis(NamedTuple):
     piece: NDArray[np.uint8]
     polynomials: Array
     nodes: Array
+    padding: int = 0
 
 
 def spline_axis(lower: float, h: float, cells: int, degree: int, periodic: bool = False) -> Axis:
@@ -65,6 +96,20 @@ def spline_axis(lower: float, h: float, cells: int, degree: int, periodic: bool 
         piece[cell] = known.setdefault(tuple(knots[cell : cell + 2 * degree + 2] - cell), len(known))
     polynomials = np.array([_polynomials(np.array(local), degree) for local in known])
     return Axis(float(lower), cells, periodic, piece, polynomials, lower + h * means)
+
+
+def domain_axis(lower: float, h: float, cells: int, width: int, periodic: bool = False) -> Axis:
+    """Hats for particles that have a domain, which meets `width` of them; parameters as of `spline_axis`."""
+    hats, padding = spline_axis(lower, h, cells, 1, periodic), 0 if periodic else 1
+    count = cells + width - 1 + 2 * padding
+    return hats._replace(nodes=lower + h * (np.arange(count) - padding), padding=padding)
+
+
+def basis_axis(basis: Basis, lower: float, h: float, cells: int, periodic: bool = False) -> Axis:
+    """The axis of a basis; parameters as of `spline_axis`."""
+    if basis.kind == SPLINES:
+        return spline_axis(lower, h, cells, basis.degree, periodic)
+    return domain_axis(lower, h, cells, basis.width, periodic)
 
 
 def _polynomials(knots: Array, degree: int) -> Array:
@@ -108,12 +153,38 @@ def along(axis, s, scale, width):
 
 
 @jit
-def affine_along(axis, s, scale, N):
+def hat_along(axis, s):
+    """First function and N (2,) [1] of the hats at s cells from the lower end, which may lie in the padding."""
+    cell = min(int(s + axis.padding), axis.cells + 2 * axis.padding - 1)
+    xi = s + axis.padding - cell
+    return cell, (1 - xi, xi)
+
+
+@jit
+def integrated_along(axis, s, half, scale):
+    """First function, N (3,) [1] and dN/dx (3,) [1/m] of hats that are averaged from s - half to s + half, at most a cell apart.
+
+    N = int hat dx/(2 half), and dN/dx is the difference of the hat at both ends, over 2 half.
+    """
+    a = s - half + axis.padding
+    if axis.periodic and a < 0:
+        a += axis.cells
+    cell = int(a)
+    a -= cell
+    b = a + 2 * half
+    beyond, rest, left = max(b - 1, 0.0), max(1 - b, 0.0), 1 - a
+    N0, N2, factor = 0.25 * (left * left - rest * rest) / half, 0.25 * beyond * beyond / half, 0.5 * scale / half
+    d0, d2 = factor * (rest - left), factor * beyond
+    return cell, (N0, 1 - N0 - N2, N2), (d0, -d0 - d2, d2)
+
+
+@jit
+def affine_along(axis, first, s, scale, N):
     """N (x_I - x)/D (W,) [1/m] and D = sum_I N (x_I - x)^2 [m^2]; D of the hat is 0 at a node, where the quotient is dN/dx."""
-    cell = min(int(s), axis.cells - 1)
     if len(N) == 2:
         return (-scale, scale), N[0] * N[1] / scale**2
-    x = axis.lower + s / scale
+    around = axis.cells if axis.periodic and first > s else 0
+    cell, x = first, axis.lower + (s + around) / scale
     r0, r1, r2 = axis.nodes[cell] - x, axis.nodes[cell + 1] - x, axis.nodes[cell + 2] - x
     if len(N) == 3:
         D = N[0] * r0 * r0 + N[1] * r1 * r1 + N[2] * r2 * r2

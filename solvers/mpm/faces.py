@@ -31,14 +31,18 @@ def integrals(axis: Axis, h: float) -> Array:
     on_cells = (axis.polynomials / np.arange(1, width + 1)).sum(axis=2)[axis.piece]
     total = np.zeros(len(axis.nodes))
     for k in range(width):
-        total[k : k + axis.cells] += h * on_cells[:, k]
+        first = axis.padding + k
+        total[first : first + axis.cells] += h * on_cells[:, k]
     if axis.periodic:
         np.add.at(total, np.arange(axis.cells, len(total)) % axis.cells, total[axis.cells :].copy())
     return total
 
 
 def tabulate_faces(problem: Problem, axes: tuple[Axis, ...], h: float, steps: int, dt: float) -> Faces:
-    """Conditions at the nodes of the faces; at an edge a clamped face comes before a prescribed normal velocity."""
+    """Conditions at the nodes of the faces; at an edge a clamped face comes before a prescribed normal velocity.
+
+    What holds a face holds the nodes beyond it, too.
+    """
     numbers = node_numbers(axes)
     levels = np.arange(steps + 1, dtype=np.float64) * dt
     halves = np.concatenate([[0.0], levels + 0.5 * dt])
@@ -49,20 +53,23 @@ def tabulate_faces(problem: Problem, axes: tuple[Axis, ...], h: float, steps: in
     for face, condition in clamped_first:
         k, sign = "xyz".index(face[0]), 1 if face[1] == "+" else -1
         across = problem.dimension - 1 - k
-        on_face = np.take(numbers[own], -1 if sign > 0 else 0, axis=across).ravel()
+        if isinstance(condition, Periodic):
+            continue
+        edge = end_node(axes[k], sign)
+        on_face = np.take(numbers[own], edge, axis=across).ravel()
+        from_face = np.take(numbers[own], range(edge + 1) if sign < 0 else range(edge, len(axes[k].nodes)), axis=across)
         if isinstance(condition, Fixed):
-            held += [(node, c, 0) for node in on_face for c in range(problem.dimension)]
+            held += [(node, c, 0) for node in from_face.ravel() for c in range(problem.dimension)]
         elif isinstance(condition, Velocity):
-            held += [(node, k, len(velocity)) for node in on_face]
+            held += [(node, k, len(velocity)) for node in from_face.ravel()]
             velocity.append(condition.value(halves))
-        elif isinstance(condition, Traction):
+        else:
+            assert isinstance(condition, Traction)
             values = condition.value(levels)
             if values.any() or not np.isfinite(values).all():
                 loaded += [(node, k, len(force)) for node in on_face]
                 area.append(_areas(axes, h, k).ravel())
                 force.append(sign * values)
-        else:
-            assert isinstance(condition, Periodic)
     return Faces(
         np.array(held, dtype=np.int64).reshape(-1, 3),
         np.array(loaded, dtype=np.int64).reshape(-1, 3),
@@ -70,6 +77,11 @@ def tabulate_faces(problem: Problem, axes: tuple[Axis, ...], h: float, steps: in
         np.array(velocity),
         np.array(force),
     )
+
+
+def end_node(axis: Axis, sign: int) -> int:
+    """Node at the lower or upper end of an axis that is not periodic."""
+    return axis.padding + (axis.cells + axis.polynomials.shape[1] - 2 if sign > 0 else 0)
 
 
 def _areas(axes: tuple[Axis, ...], h: float, normal: int) -> Array:

@@ -15,6 +15,7 @@ from .grid import accelerate, add_term, begin_series, clear, external_force_and_
 from .order import INTERVAL, Strips
 from .passes import (
     FAILED,
+    HEAT,
     KINETIC,
     MOMENTUM,
     MUSL,
@@ -22,6 +23,7 @@ from .passes import (
     STRAIN,
     STRAYED,
     USF,
+    USL,
     grid_to_particles,
     particles_to_grid,
     record_fields,
@@ -34,8 +36,8 @@ from .state import Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme
 # mypy: disable-error-code="no-untyped-def"
 
 COMPLETED, UNSTABLE, NON_FINITE, LEFT_GRID, INVERTED, UNSORTED = range(6)
-POWER, WORK, GIVEN, IMPULSE = range(4)
-"""Of what is carried from step to step; the impulse takes one place for each direction."""
+POWER, WORK, GIVEN, TURNED, IMPULSE = range(5)
+"""Of what is carried from step to step, TURNED the energy that became heat; the impulse takes one place for each direction."""
 TO_GRID, TO_PARTICLES, STRAIN_ALONE, SMOOTH = range(4)
 GROWTH = 100.0
 """A run is unstable when its kinetic energy exceeds all the energy that it was ever given by this factor."""
@@ -70,7 +72,8 @@ def record_histories(
     """Sums at t^n, where v^n = v^{n-1/2} + dt/2 sum_I N_I a_I; COMPLETED, UNSTABLE or NON_FINITE.
 
     Mass sum_I m_I; momentum sum_p m v; impulse of applied forces, reactions and, for PIC, of the momentum `added` at held nodes;
-    kinetic energy sum_p m v^2/2; strain energy; work as the trapezoid of the power sum_I f_I^ext v_I.
+    kinetic energy sum_p m v^2/2; strain energy; work as the trapezoid of the power sum_I f_I^ext v_I; angular momentum
+    sum_p m x cross v with that of the affine parts; the energy that turned into heat until t^n.
     """
     kick, step = leapfrog(n, dt)
     work = kick * (running[POWER] + power)
@@ -82,18 +85,30 @@ def record_histories(
         strain += strips.sums[s, STRAIN]
         for c in range(len(grid.lower)):
             histories.momentum[n, c] += strips.sums[s, MOMENTUM + c]
+        for c in range(histories.angular_momentum.shape[1]):
+            histories.angular_momentum[n, c] += strips.sums[s, MOMENTUM + len(grid.lower) + c]
     for c in range(len(grid.lower)):
         histories.impulse[n, c] = running[IMPULSE + c] + kick * force[c]
         running[IMPULSE + c] += step * force[c] + (1 - scheme.flip) * added[c]
     histories.kinetic_energy[n] = kinetic
     histories.strain_energy[n] = strain
     histories.external_work[n] = running[WORK] + work
+    histories.dissipated_energy[n] = running[TURNED]
     running[POWER] = power
     running[WORK] += work
     running[GIVEN] += abs(work) if n > 0 else kinetic + strain
     if not isfinite(kinetic + strain + running[WORK]):
         return NON_FINITE
     return COMPLETED if kinetic <= GROWTH * running[GIVEN] else UNSTABLE
+
+
+@jit
+def heat_of(strips: Strips) -> float:
+    """Energy that a pass has turned into heat."""
+    total = 0.0
+    for s in range(strips.sums.shape[0]):
+        total += strips.sums[s, HEAT]
+    return total
 
 
 def sweep(
@@ -121,12 +136,13 @@ def sweep(
     """
     (schedule, affine, flip, terms, full_mass, total, nodal_body, law, constants) = scheme
     lame, shear, time = constants
-    _, lower, scale, stride, width, ghosts = grid
+    _, lower, scale, stride, width, ghosts, basis, least_squares, half, stretched = grid
     count = strips.passed.size
     for colour in range(2):
         for k in prange((count + 1 - colour) // 2):
             choices = Scheme(schedule, affine, flip, terms, full_mass, total, nodal_body, law, Constants(lame, shear, time))
-            space = Grid(joined_axes(lower, x, y, z), lower, scale, stride, width, ghosts)
+            axes = joined_axes(lower, x, y, z)
+            space = Grid(axes, lower, scale, stride, width, ghosts, basis, least_squares, half, stretched)
             s = 2 * k + colour
             first, stop = strips.particles[s], strips.particles[s + 1]
             if kind == TO_GRID:
@@ -138,7 +154,7 @@ def sweep(
             elif kind == SMOOTH:
                 passed = smooth(choices, space, particles, nodes, first, stop)
             else:
-                passed = strain_particles(choices, space, particles, nodes, dt, strips.limits[s], first, stop)
+                passed = strain_particles(choices, space, particles, nodes, dt, strips.limits[s], strips.sums[s], first, stop)
             strips.passed[s] = passed
     worst = PASSED
     for s in range(count):
@@ -196,7 +212,7 @@ def march(
     Parameters
     ----------
     running : Array
-        Power and work at t^{n-1}, energy given so far, impulse to t^{n-1/2} (3 + d,): carried from call to call.
+        Power and work at t^{n-1}, energy given and turned into heat so far, impulse to t^{n-1/2} (4 + d,): carried from call to call.
     dt : float
         Time step [s].
     body : Array
@@ -242,6 +258,7 @@ def march(
             passed = sweep(STRAIN_ALONE, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, True)
             if passed == FAILED:
                 return INVERTED, n, output
+            running[TURNED] += heat_of(strips)
         accelerate(scheme, grid, nodes, faces, body, load, n, dt, massless)
         if scheme.full_mass:
             same = nodes.acceleration
@@ -259,12 +276,15 @@ def march(
         output += recording
         if n == last:
             break
+        if scheme.schedule == USL:
+            running[TURNED] += heat_of(strips)
         if scheme.schedule == MUSL:
             nodal_velocity(grid, nodes, faces, n + 1, massless, nodes.projected, added)
             if scheme.full_mass:
                 same = nodes.projected
                 refine(scheme, grid, x, y, z, particles, nodes, faces, strips, body, massless, same, same, False, added)
             passed = sweep(STRAIN_ALONE, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, True)
+            running[TURNED] += heat_of(strips)
         if passed == FAILED:
             return INVERTED, n + 1, output
         strayed = passed == STRAYED

@@ -26,7 +26,7 @@ class Strips(NamedTuple):
 
     First particle of each strip and the number of particles (S + 1,), first row of cells of each strip and the number of rows
     (S + 1,), how far its particles may go before they are sorted again (S, 2) [m], what the passes say of each strip (S,) and the
-    sums that they leave (S, 2 + d).
+    sums that they leave (S, 3 + d + the components of the angular momentum, or 1).
     """
 
     particles: Integers
@@ -53,7 +53,7 @@ def strips(lower: float, h: float, rows: int, width: int, particles: int, dimens
         limits[:] = -np.inf, np.inf
     held = np.zeros(count + 1, dtype=np.int64)
     held[1:] = particles
-    return Strips(held, first, limits, np.ones(count, dtype=np.int64), np.zeros((count, 2 + dimension)))
+    return Strips(held, first, limits, np.ones(count, dtype=np.int64), np.zeros((count, {1: 5, 2: 6, 3: 9}[dimension])))
 
 
 @jit

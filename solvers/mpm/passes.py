@@ -3,43 +3,58 @@
 from mpmverify.problem import Array
 
 from .compilation import jit
-from .constitution import finite_strain, reference_stress, strain_energy, stress
+from .constitution import dissipation, finite_strain, reference_stress, strain_energy, stress
 from .grid import leapfrog
 from .state import Grid, Nodes, Outputs, Particles, Scheme
-from .stencil import affine_stencil, inside, local, place, stencil
+from .stencil import affine_stencil, local, place, support, supported
 from .tensors import deform, det, full
-from .transfer import gather, gather_tensor, spread, spread_tensor
-from .vectors import Vector, axpy, by_columns, columns, constant, dot, null, row, scale, store, with_mass
+from .transfer import gather, gather_gradients, gather_tensor, spread, spread_gradients, spread_tensor
+from .vectors import Vector, axial, axpy, by_columns, columns, constant, cross, dot, null, row, scale, store, with_mass
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 USF, USL, MUSL = range(3)
 NO_AFFINE, APIC, TPIC = range(3)
-KINETIC, STRAIN, MOMENTUM = range(3)
-"""Columns of the sums of a pass; the momentum takes one for each direction."""
+KINETIC, STRAIN, HEAT, MOMENTUM = range(4)
+"""Columns of the sums of a pass; the momentum takes one for each direction, and then comes the angular momentum."""
 FAILED, STRAYED, PASSED = range(3)
 """What a pass says of its particles."""
 
 
 @jit
-def spread_affine(scheme: Scheme, grid: Grid, affine: Array, nodes: Nodes, p: int, m: float, s: Vector, first: int, w) -> None:
+def spread_affine(scheme: Scheme, grid: Grid, particles: Particles, affine: Array, nodes: Nodes, p: int, m: float, at) -> None:
     """p_I += m_p N_Ip B_p D_p^-1 (x_I - x_p), where TPIC keeps the gradient C_p = B_p D_p^-1; nothing when no B is kept."""
     if affine.ndim == 2:
-        e, D = affine_stencil(grid.axes, s, grid, w)
+        s = local(grid.axes, place(scheme, grid, particles, p), grid.scale)
+        e, D = affine_stencil(grid.axes, s, grid, at)
         T = columns(row(affine, p, null(s)[1]), scale(m, D) if scheme.affine == TPIC else constant(m, D))
-        spread_tensor(nodes.inertia, 1, first, grid.stride, w, e, T)
+        spread_gradients(nodes.inertia, 1, at[0], grid.stride, at[1], e, T)
 
 
 @jit
-def gather_affine(scheme: Scheme, grid: Grid, affine: Array, nodes: Nodes, p: int, s: Vector, first: int, w, gradient) -> None:
+def gather_affine(scheme: Scheme, grid: Grid, particles: Particles, affine: Array, nodes: Nodes, p: int, at, gradient) -> None:
     """B_p = sum_I v_I N_Ip (x_I - x_p)^T, or the gradient for TPIC; nothing when no B is kept."""
     if affine.ndim == 2:
         if scheme.affine == TPIC:
             store(affine, p, gradient)
         else:
-            e, D = affine_stencil(grid.axes, s, grid, w)
-            store(affine, p, by_columns(gather_tensor(nodes.velocity, first, grid.stride, w, e, null(s)[0]), D))
+            s = local(grid.axes, place(scheme, grid, particles, p), grid.scale)
+            e, D = affine_stencil(grid.axes, s, grid, at)
+            store(affine, p, by_columns(gather_gradients(nodes.velocity, at[0], grid.stride, at[1], e, null(s)[0]), D))
+
+
+@jit
+def affine_spin(scheme: Scheme, grid: Grid, particles: Particles, affine: Array, p: int, at):
+    """Angular momentum that a particle keeps about itself, per unit of its mass; zero when no B is kept."""
+    zero, tensor, _ = null(grid.lower)
+    if affine.ndim == 2:
+        B = row(affine, p, tensor)
+        if scheme.affine == TPIC:
+            s = local(grid.axes, place(scheme, grid, particles, p), grid.scale)
+            B = by_columns(B, affine_stencil(grid.axes, s, grid, at)[1])
+        return axial(B)
+    return cross(zero, zero)
 
 
 @jit
@@ -60,45 +75,51 @@ def particles_to_grid(
     """
     zero, tensor, symmetric = null(grid.lower)
     for p in range(begin, end):
-        s = local(grid.axes, place(scheme, grid, particles, p), grid.scale)
-        if not inside(grid.axes, s):
+        if not supported(scheme, grid, particles, p):
             return FAILED
-        first, w, d = stencil(grid.axes, s, grid)
+        at = support(grid.kind, scheme, grid, particles, p)
         m, v = particles.mass[p], row(particles.velocity, p, zero)
-        spread(nodes.inertia, 0, first, grid.stride, w, with_mass(m, v))
-        spread_affine(scheme, grid, particles.affine, nodes, p, m, s, first, w)
+        spread(grid, nodes.inertia, 0, at, with_mass(m, v))
+        spread_affine(scheme, grid, particles, particles.affine, nodes, p, m, at)
         if forces:
             sigma, F = row(particles.stress, p, symmetric), row(particles.F, p, tensor)
             T = force_columns(scheme, particles.volume[p], sigma, F, zero)
-            spread_tensor(nodes.internal, 0, first, grid.stride, w, d, T)
+            spread_tensor(grid, nodes.internal, 0, at, T)
         if body.shape[0] > 0 and not scheme.nodal_body:
             b = row(body[load], particles.place[p], zero)
-            spread(nodes.external, 0, first, grid.stride, w, scale(m, b))
+            spread(grid, nodes.external, 0, at, scale(m, b))
     return PASSED
 
 
 @jit
 def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, begin: int, end: int) -> int:
     """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of the nodes, to the particles and back."""
-    zero, _, _ = null(grid.lower)
     for p in range(begin, end):
-        first, w, _ = stencil(grid.axes, local(grid.axes, place(scheme, grid, particles, p), grid.scale), grid)
-        t = gather(nodes.term, first, grid.stride, w, zero)
-        spread(nodes.inertia, 1, first, grid.stride, w, scale(particles.mass[p], t))
+        at = support(grid.kind, scheme, grid, particles, p)
+        spread(grid, nodes.inertia, 1, at, scale(particles.mass[p], gather(grid, nodes.term, at)))
     return PASSED
 
 
 @jit
-def strain(scheme: Scheme, particles: Particles, p: int, like: Vector, increment: Vector, dt: float) -> bool:
-    """F += dt dv/dX or F = (I + dt dv/dx) F, and the stress that the law makes of it; False at a law or a volume that meets J <= 0."""
+def strain(scheme: Scheme, particles: Particles, p: int, like: Vector, increment: Vector, dt: float):
+    """F += dt dv/dX or F = (I + dt dv/dx) F, and the stress that the law makes of it.
+
+    Whether that went well, which it does not at a law or a volume that meets J <= 0, and the energy that turned into heat.
+    """
     _, tensor, symmetric = null(like)
     before = row(particles.F, p, tensor)
     F = axpy(1.0, increment, before) if scheme.total else deform(increment, before)
     if not det(F) > 0 and (finite_strain(scheme.law) or not scheme.total):
-        return False
+        return False, 0.0
+    sigma = row(particles.stress, p, symmetric)
+    heat = (
+        particles.volume[p]
+        * (1.0 if scheme.total else det(before))
+        * dissipation(scheme.law, scheme.constants, sigma, increment, dt)
+    )
     store(particles.F, p, F)
-    store(particles.stress, p, stress(scheme.law, scheme.constants, row(particles.stress, p, symmetric), F, increment, dt))
-    return True
+    store(particles.stress, p, stress(scheme.law, scheme.constants, sigma, F, increment, dt))
+    return True, heat
 
 
 @jit
@@ -142,41 +163,53 @@ def grid_to_particles(
     """
     zero, _, _ = null(grid.lower)
     kick, step = leapfrog(n, dt)
-    kinetic, stored, momentum = 0.0, 0.0, zero
+    kinetic, stored, turned, momentum, angular = 0.0, 0.0, 0.0, zero, cross(zero, zero)
     passed = PASSED
     for p in range(begin, end):
-        s = local(grid.axes, place(scheme, grid, particles, p), grid.scale)
-        first, w, d = stencil(grid.axes, s, grid)
+        at = support(grid.kind, scheme, grid, particles, p)
         m, before = particles.mass[p], row(particles.velocity, p, zero)
-        a, moved = gather(nodes.acceleration, first, grid.stride, w, zero), gather(nodes.velocity, first, grid.stride, w, zero)
-        gradient = gather_tensor(nodes.velocity, first, grid.stride, w, d, zero)
+        a, moved = gather(grid, nodes.acceleration, at), gather(grid, nodes.velocity, at)
+        gradient = gather_tensor(grid, nodes.velocity, at)
         now = axpy(kick, a, before)
         kinetic += 0.5 * m * dot(now, now)
         stored += stored_energy(scheme, particles, p, zero)
         momentum = axpy(m, now, momentum)
+        around = axpy(
+            1.0, cross(row(particles.position, p, zero), now), affine_spin(scheme, grid, particles, particles.affine, p, at)
+        )
+        angular = axpy(m, around, angular)
         if not advance:
             continue
         v = axpy(scheme.flip, axpy(step, a, before), scale(1 - scheme.flip, moved))
         if scheme.terms > 1 and not scheme.full_mass:
-            v = axpy(1.0, gather(nodes.projected, first, grid.stride, w, zero), v)
+            v = axpy(1.0, gather(grid, nodes.projected, at), v)
         store(particles.velocity, p, v)
-        gather_affine(scheme, grid, particles.affine, nodes, p, s, first, w, gradient)
+        gather_affine(scheme, grid, particles, particles.affine, nodes, p, at, gradient)
         if scheme.schedule == MUSL:
-            spread(nodes.inertia, 1, first, grid.stride, w, scale(m, v))
-            spread_affine(scheme, grid, particles.affine, nodes, p, m, s, first, w)
+            spread(grid, nodes.inertia, 1, at, scale(m, v))
+            spread_affine(scheme, grid, particles, particles.affine, nodes, p, m, at)
             continue
         passed = min(passed, move(particles, p, scale(dt, moved), limits))
-        if scheme.schedule == USL and not strain(scheme, particles, p, zero, scale(dt, gradient), dt):
-            passed = FAILED
-    sums[KINETIC], sums[STRAIN] = kinetic, stored
-    for c in range(len(momentum)):
-        sums[MOMENTUM + c] = momentum[c]
+        if scheme.schedule == USL:
+            strained, heat = strain(scheme, particles, p, zero, scale(dt, gradient), dt)
+            turned += heat
+            passed = passed if strained else FAILED
+    sums[KINETIC], sums[STRAIN], sums[HEAT] = kinetic, stored, turned
+    store_from(sums, MOMENTUM, momentum)
+    store_from(sums, MOMENTUM + len(momentum), angular)
     return passed
 
 
 @jit
+def store_from(values: Array, first: int, some: Vector) -> None:
+    """Write a vector into an array from a place on."""
+    for c in range(len(some)):
+        values[first + c] = some[c]
+
+
+@jit
 def strain_particles(
-    scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, dt: float, limits: Array, begin: int, end: int
+    scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, dt: float, limits: Array, sums: Array, begin: int, end: int
 ) -> int:
     """A pass of its own for strain and stress: at the beginning of a step for USF, at its end for MUSL.
 
@@ -184,20 +217,23 @@ def strain_particles(
     after x_p += dt sum_I N_I v_I. FAILED at J <= 0, STRAYED when a particle passes the limits of the strip (2,) [m].
     """
     zero, tensor, symmetric = null(grid.lower)
-    passed, first_of_all = PASSED, scheme.schedule == USF
+    passed, first_of_all, turned = PASSED, scheme.schedule == USF, 0.0
     nodal = nodes.velocity if first_of_all else nodes.projected
     for p in range(begin, end):
-        first, w, d = stencil(grid.axes, local(grid.axes, place(scheme, grid, particles, p), grid.scale), grid)
-        gradient = gather_tensor(nodal, first, grid.stride, w, d, zero)
+        at = support(grid.kind, scheme, grid, particles, p)
+        gradient = gather_tensor(grid, nodal, at)
         if not first_of_all:
-            moved = gather(nodes.velocity, first, grid.stride, w, zero)
+            moved = gather(grid, nodes.velocity, at)
             passed = min(passed, move(particles, p, scale(dt, moved), limits))
-        if not strain(scheme, particles, p, zero, scale(dt, gradient), dt):
+        strained, heat = strain(scheme, particles, p, zero, scale(dt, gradient), dt)
+        turned += heat
+        if not strained:
             passed = FAILED
         if first_of_all:
             sigma, F = row(particles.stress, p, symmetric), row(particles.F, p, tensor)
             T = force_columns(scheme, particles.volume[p], sigma, F, zero)
-            spread_tensor(nodes.internal, 0, first, grid.stride, w, d, T)
+            spread_tensor(grid, nodes.internal, 0, at, T)
+    sums[HEAT] = turned
     return passed
 
 
@@ -209,8 +245,8 @@ def record_fields(
     zero, tensor, symmetric = null(grid.lower)
     kick, _ = leapfrog(n, dt)
     for p in range(particles.mass.size):
-        first, w, _ = stencil(grid.axes, local(grid.axes, place(scheme, grid, particles, p), grid.scale), grid)
-        a, q = gather(nodes.acceleration, first, grid.stride, w, zero), particles.place[p]
+        at = support(grid.kind, scheme, grid, particles, p)
+        a, q = gather(grid, nodes.acceleration, at), particles.place[p]
         X = row(particles.reference, p, zero)
         store(outputs.displacement[k], q, axpy(-1.0, X, row(particles.position, p, zero)))
         store(outputs.velocity[k], q, axpy(kick, a, row(particles.velocity, p, zero)))

@@ -26,7 +26,7 @@ from mpmverify.problem import (
 from mpmverify.solution import Outcome, Solution, Status, Work
 
 from . import loop, passes
-from .basis import DEGREES, Axis, spline_axis
+from .basis import BASES, SPLINES, Axis, basis_axis
 from .constitution import LAWS, constitution
 from .faces import ghosts, tabulate_faces
 from .layout import place_particles
@@ -61,8 +61,9 @@ class MaterialPoint:
         When the stress is updated: first, last, or last from velocities that were projected again.
     transfer : Transfer
         How the velocity of the grid becomes that of the particles.
-    basis : {"linear", "quadratic", "cubic"}
-        B-splines of the grid; linear is the hat.
+    basis : {"linear", "quadratic", "cubic", "mls-quadratic", "mls-cubic", "ugimp", "cpgimp", "cpdi"}
+        B-splines of the grid, linear is the hat; those with the gradients of moving least squares; hats averaged over the domain of
+        a particle, which stays as it was, stretches along the axes, or deforms to a parallelepiped.
     formulation : {"updated", "total"}
         Lagrangian formulation.
     body_force_at : {"particles", "nodes"}
@@ -71,7 +72,8 @@ class MaterialPoint:
     Raises
     ------
     UsageError
-        If a choice does not exist, or the body force is asked for at the nodes of an updated Lagrangian grid.
+        If a choice does not exist, the body force is asked for at the nodes of an updated Lagrangian grid, or an affine transfer
+        for CPDI.
 
     Notes
     -----
@@ -82,7 +84,9 @@ class MaterialPoint:
     ----------
     Sulsky, Chen and Schreyer, 1994, doi:10.1016/0045-7825(94)90112-0. Bardenhagen, 2002, doi:10.1006/jcph.2002.7103. Steffen,
     Kirby and Berzins, 2008, doi:10.1002/nme.2360. Jiang, Schroeder and Teran, 2017, doi:10.1016/j.jcp.2017.02.050 (APIC). de
-    Vaucorbeil, Nguyen and Hutchinson, 2020, doi:10.1016/j.cma.2019.112783.
+    Vaucorbeil, Nguyen and Hutchinson, 2020, doi:10.1016/j.cma.2019.112783. Bardenhagen and Kober, 2004, CMES 5(6), 477-495 (GIMP).
+    Wallstedt and Guilkey, 2008, doi:10.1016/j.jcp.2008.07.019 (cpGIMP). Sadeghirad, Brannon and Burghardt, 2011, doi:10.1002/nme.3110
+    (CPDI). Hu and others, 2018, doi:10.1145/3197517.3201293 (moving least squares).
     """
 
     schedule: str = "MUSL"
@@ -96,7 +100,7 @@ class MaterialPoint:
     def __post_init__(self) -> None:
         for what, value, choices in (
             ("stress-update schedule", self.schedule, tuple(SCHEDULES)),
-            ("basis", self.basis, tuple(DEGREES)),
+            ("basis", self.basis, tuple(BASES)),
             ("formulation", self.formulation, tuple(FORMULATIONS)),
             ("body_force_at", self.body_force_at, BODY_FORCES),
         ):
@@ -106,6 +110,8 @@ class MaterialPoint:
                 )
         if not isinstance(self.transfer, Transfer):
             raise UsageError(f"the transfer of a material point solver is one of mpmverify.solvers.mpm, not {self.transfer!r}")
+        if self.transfer.affine and self.basis == "cpdi":
+            raise UsageError("an affine transfer needs functions that are products: choose another basis than CPDI")
         if self.body_force_at == "nodes" and self.formulation != "total":
             raise UsageError(
                 "the body force can be taken at the nodes in the total Lagrangian formulation only: set formulation='total'"
@@ -123,12 +129,13 @@ class MaterialPoint:
         PIC damps at first order; the affine transfers keep what it smooths, and damp at second order, as XPIC and FMPM do with two
         terms. The gradient of the hat is
         constant in a cell, thus second order in its middle only (`ppc` = 1). The lumped mass of the clamped spline is off its node by
-        O(h) in the two functions at each end: half an order in L2 there, of the acceleration that FLIP adds to the velocity, too.
+        O(h) in the two functions at each end: half an order in L2 there, of the acceleration that FLIP adds to the velocity, too. The
+        gradients of moving least squares are exact for a linear field, and off by O(h) of its curvature.
         """
         damped = self.transfer.flip < 1 and not self.transfer.affine and self.transfer.terms == 1
-        if damped:
+        if damped or BASES[self.basis].least_squares:
             return {"displacement": 1.0, "velocity": 1.0, "stress": 1.0}
-        if self.basis != "linear":
+        if BASES[self.basis].degree > 1:
             return {"displacement": 2.0, "velocity": 2.0 if self.transfer.affine else 1.5, "stress": 1.5}
         return {"displacement": 2.0, "velocity": 2.0, "stress": 1.0}
 
@@ -166,9 +173,12 @@ class MaterialPoint:
             np.zeros((len(step), *particles.stress.shape)),
             np.zeros((len(step), count)),
         )
-        histories = Histories(*(np.zeros((steps + 1, dimension)) for _ in range(2)), *(np.zeros(steps + 1) for _ in range(4)))
+        histories = Histories(
+            *(np.zeros((steps + 1, n)) for n in (dimension, dimension, {1: 0, 2: 1, 3: 3}[dimension])),
+            *(np.zeros(steps + 1) for _ in range(5)),
+        )
         top_speed = np.abs(state[4].velocity).max()
-        running = np.concatenate([[0.0, 0.0, 0.5 * particles.mass.sum() * top_speed**2], np.zeros(dimension)])
+        running = np.concatenate([[0.0, 0.0, 0.5 * particles.mass.sum() * top_speed**2, 0.0], np.zeros(dimension)])
         record = (outputs, histories, running, dt)
         march = loop.march_in_threads if count >= MANY else loop.march
         march(*state, *record, np.zeros((0, 0, 0)), 0, 0, 0)  # compiles, takes no pass
@@ -190,7 +200,10 @@ class MaterialPoint:
                 code, done, kept = march(*state, *record, body[done - begin :], done, end, kept)
         seconds = time.perf_counter() - started
 
-        cause = "; a particle's deformation gradient reached zero" if code == loop.INVERTED else ""
+        causes = {loop.INVERTED: "; a particle's deformation gradient reached zero"}
+        if self.basis == "cpdi":
+            causes[loop.LEFT_GRID] = "; a domain reaches further than a cell from its particle, or a particle left the grid"
+        cause = causes.get(code, "")
         detail = "" if code == loop.COMPLETED else f"at step {done} of {steps}{cause}"
         taken = min(done, steps)
         return Solution(
@@ -243,18 +256,21 @@ class MaterialPoint:
         )
 
     def _grid(self, problem: Problem, at: Discretisation) -> Grid:
+        basis = BASES[self.basis]
         axes = tuple(
-            spline_axis(lower, at.h, cells, DEGREES[self.basis], isinstance(problem.boundary[f"{name}-"], Periodic))
+            basis_axis(basis, lower, at.h, cells, isinstance(problem.boundary[f"{name}-"], Periodic))
             for name, lower, cells in zip("xyz", problem.lower, at.cells(problem), strict=False)
         )
         counts = [len(axis.nodes) for axis in axes]
         stride = tuple(math.prod(counts[:k]) for k in range(len(counts)))
-        width = (0.0,) * (DEGREES[self.basis] + 1)
-        return Grid(axes, tuple(map(float, problem.lower)), 1 / at.h, stride, width, ghosts(axes))
+        lower, width = tuple(map(float, problem.lower)), (0.0,) * basis.width
+        half, stretched = 0.5 / at.ppc, basis.stretched and self.formulation == "updated"
+        return Grid(axes, lower, 1 / at.h, stride, width, ghosts(axes), basis.kind, basis.least_squares, half, stretched)
 
     def _strips(self, problem: Problem, at: Discretisation, grid: Grid, count: int) -> Strips:
         rows, moving = at.cells(problem)[-1], self.formulation == "updated"
-        return strips(grid.lower[-1], at.h, rows, len(grid.width), count, problem.dimension, moving)
+        reach = len(grid.width) if grid.kind == SPLINES else 4
+        return strips(grid.lower[-1], at.h, rows, reach, count, problem.dimension, moving)
 
     def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:
         """Lay the particles out in the initial state of the body."""
@@ -286,7 +302,7 @@ def by_component(histories: Histories, done: int) -> dict[str, Array]:
     for name, values in histories._asdict().items():
         if values.ndim == 1 or values.shape[1] == 1:
             found[name] = values[:done].reshape(done)
-        else:
+        elif values.shape[1]:
             found |= {f"{name}_{axis}": values[:done, k].copy() for k, axis in enumerate("xyz"[: values.shape[1]])}
     return found
 

@@ -33,7 +33,8 @@ class Scheme(NamedTuple):
 class Grid(NamedTuple):
     """Axes (d,), lower corner (d,) [m], 1/h [1/m], steps from node to node (d,), and W numbers that tell the width of a stencil.
 
-    A ghost node of a periodic axis and its image, (G, 2).
+    A ghost node of a periodic axis and its image, (G, 2). The kind of the basis, whether its gradients are those of moving least
+    squares, half the side of a particle at first, in cells, and whether it stretches.
     """
 
     axes: tuple[Axis, ...]
@@ -42,6 +43,10 @@ class Grid(NamedTuple):
     stride: tuple[int, ...]
     width: tuple[float, ...]
     ghosts: Integers
+    kind: tuple[float, ...]
+    least_squares: bool
+    half: float
+    stretched: bool
 
 
 class Particles(NamedTuple):
@@ -104,14 +109,16 @@ class Outputs(NamedTuple):
 
 
 class Histories(NamedTuple):
-    """Arrays (N + 1, d) of momentum and impulse, and (N + 1,) of the other synchronous sums.
+    """Arrays (N + 1, d) of momentum and impulse, angular momentum (N + 1, 0, 1 or 3), and (N + 1,) of the other synchronous sums.
 
     Per unit of the area or length that is left out in less than three dimensions.
     """
 
     momentum: Array
     impulse: Array
+    angular_momentum: Array
     mass: Array
     kinetic_energy: Array
     strain_energy: Array
     external_work: Array
+    dissipated_energy: Array

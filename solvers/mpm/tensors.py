@@ -96,8 +96,28 @@ def full(A: Symmetric) -> Tensor:
 
 
 @jit
+def cofactor(F: Tensor) -> Tensor:
+    """J F^-T, whose rows are cross products of the rows of F, so that none is divided by."""
+    if len(F) == 1:
+        return (1.0,)
+    if len(F) == 4:
+        return (F[3], -F[2], -F[1], F[0])
+    return (
+        F[4] * F[8] - F[5] * F[7],
+        F[5] * F[6] - F[3] * F[8],
+        F[3] * F[7] - F[4] * F[6],
+        F[7] * F[2] - F[8] * F[1],
+        F[8] * F[0] - F[6] * F[2],
+        F[6] * F[1] - F[7] * F[0],
+        F[1] * F[5] - F[2] * F[4],
+        F[2] * F[3] - F[0] * F[5],
+        F[0] * F[4] - F[1] * F[3],
+    )
+
+
+@jit
 def first_piola_kirchhoff(sigma: Symmetric, F: Tensor) -> Tensor:
-    """P = J sigma F^-T; rows of F^-T J are cross products of the rows of F, so that none is divided by."""
+    """P = J sigma F^-T."""
     if len(F) == 1:
         return (sigma[0],)
     if len(F) == 4:
@@ -107,9 +127,7 @@ def first_piola_kirchhoff(sigma: Symmetric, F: Tensor) -> Tensor:
             sigma[2] * F[3] - sigma[1] * F[1],
             sigma[1] * F[0] - sigma[2] * F[2],
         )
-    ax, ay, az = F[4] * F[8] - F[5] * F[7], F[5] * F[6] - F[3] * F[8], F[3] * F[7] - F[4] * F[6]
-    bx, by, bz = F[7] * F[2] - F[8] * F[1], F[8] * F[0] - F[6] * F[2], F[6] * F[1] - F[7] * F[0]
-    cx, cy, cz = F[1] * F[5] - F[2] * F[4], F[2] * F[3] - F[0] * F[5], F[0] * F[4] - F[1] * F[3]
+    ax, ay, az, bx, by, bz, cx, cy, cz = cofactor(F)
     xx, yy, zz, xy, yz, zx = sigma
     return (
         xx * ax + xy * bx + zx * cx,

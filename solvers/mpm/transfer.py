@@ -1,20 +1,69 @@
-"""Transfer between particles and grid over the nodes of a stencil, in one, two and three dimensions.
+"""Transfer between particles and grid over the nodes of a support, in one, two and three dimensions.
 
-Numba knows the length of a tuple: it drops the branches of the other dimensions and unrolls the loops over a stencil.
-A stencil is its first node, the functions w (dim, W) along each axis, whose products are N_Ip, and others e in the place of one
-of them: the derivatives d, whose products are dN_Ip/dx_k, or the affine ones. Nodes (n, C) are counted with x fastest.
+Numba knows the length of a tuple: it drops the branches of the other dimensions, and of the other kind of support, and unrolls the
+loops over a stencil. A stencil is its first node, the functions w (d, W) along each axis, whose products are N_Ip, and others e in the
+place of one of them: the derivatives, whose products are dN_Ip/dx_k, or the affine ones. Nodes (n, C) are counted with x fastest.
 """
 
 from .compilation import jit
-from .vectors import axpy, row
+from .state import Grid
+from .stencil import corner
+from .vectors import axpy, combination, dyad, null, row, scale
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
 @jit
-def spread(nodes, column, first, stride, w, amount):
+def spread(grid: Grid, nodes, column, at, amount):
     """Particle to grid: a_I += N_Ip a, into the columns from `column` on."""
+    if len(at) == 4:
+        spread_products(nodes, column, at[0], grid.stride, at[1], amount)
+    else:
+        share = scale(1 / (1 << len(at[0])), amount)
+        for c in range(1 << len(at[0])):
+            first, w, _ = corner(grid.axes, *at, grid, c)
+            spread_products(nodes, column, first, grid.stride, w, share)
+
+
+@jit
+def spread_tensor(grid: Grid, nodes, column, at, T):
+    """Particle to grid: a_I += sum_k T_k dN_Ip/dx_k, T_k the columns of a tensor, into the columns from `column` on."""
+    if len(at) == 4:
+        spread_gradients(nodes, column, at[0], grid.stride, at[1], at[2], T)
+    else:
+        for c in range(1 << len(at[0])):
+            first, w, gradient = corner(grid.axes, *at, grid, c)
+            spread_products(nodes, column, first, grid.stride, w, combination(T, gradient))
+
+
+@jit
+def gather(grid: Grid, nodes, at):
+    """Grid to particle: the vector sum_I N_Ip a_I."""
+    total, _, _ = null(grid.lower)
+    if len(at) == 4:
+        return gather_products(nodes, at[0], grid.stride, at[1], total)
+    for c in range(1 << len(at[0])):
+        first, w, _ = corner(grid.axes, *at, grid, c)
+        total = axpy(1 / (1 << len(at[0])), gather_products(nodes, first, grid.stride, w, null(at[0])[0]), total)
+    return total
+
+
+@jit
+def gather_tensor(grid: Grid, nodes, at):
+    """Grid to particle: the tensor with rows c and columns k, sum_I a_Ic dN_Ip/dx_k, row-major."""
+    zero, total, _ = null(grid.lower)
+    if len(at) == 4:
+        return gather_gradients(nodes, at[0], grid.stride, at[1], at[2], zero)
+    for c in range(1 << len(at[0])):
+        first, w, gradient = corner(grid.axes, *at, grid, c)
+        total = axpy(1.0, dyad(gather_products(nodes, first, grid.stride, w, zero), gradient), total)
+    return total
+
+
+@jit
+def spread_products(nodes, column, first, stride, w, amount):
+    """`spread` over one stencil."""
     if len(w) == 1:
         for a in range(len(w[0])):
             for c in range(len(amount)):
@@ -36,8 +85,8 @@ def spread(nodes, column, first, stride, w, amount):
 
 
 @jit
-def spread_tensor(nodes, column, first, stride, w, e, T):
-    """Particle to grid: a_I += sum_k T_k dN_Ip/dx_k, T_k the columns of a tensor, into the columns from `column` on."""
+def spread_gradients(nodes, column, first, stride, w, e, T):
+    """`spread_tensor` over one stencil."""
     if len(w) == 1:
         for a in range(len(w[0])):
             nodes[first + a, column] += e[0][a] * T[0][0]
@@ -58,8 +107,8 @@ def spread_tensor(nodes, column, first, stride, w, e, T):
 
 
 @jit
-def gather(nodes, first, stride, w, zero):
-    """Grid to particle: the vector sum_I N_Ip a_I; `zero` is the null vector."""
+def gather_products(nodes, first, stride, w, zero):
+    """`gather` over one stencil; `zero` is the null vector."""
     total = zero
     if len(w) == 1:
         for a in range(len(w[0])):
@@ -78,8 +127,8 @@ def gather(nodes, first, stride, w, zero):
 
 
 @jit
-def gather_tensor(nodes, first, stride, w, e, zero):
-    """Grid to particle: the tensor with rows c and columns k, sum_I a_Ic dN_Ip/dx_k, row-major."""
+def gather_gradients(nodes, first, stride, w, e, zero):
+    """`gather_tensor` over one stencil."""
     if len(w) == 1:
         x = zero
         for a in range(len(w[0])):

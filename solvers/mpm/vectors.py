@@ -73,6 +73,26 @@ def dot(x: Vector, y: Vector) -> float:
 
 
 @jit
+def cross(x: Vector, v: Vector) -> Vector:
+    """Product x cross v: its component out of the plane in two dimensions, 0 in one."""
+    if len(x) == 1:
+        return (0.0,)
+    if len(x) == 2:
+        return (x[0] * v[1] - x[1] * v[0],)
+    return (x[1] * v[2] - x[2] * v[1], x[2] * v[0] - x[0] * v[2], x[0] * v[1] - x[1] * v[0])
+
+
+@jit
+def axial(T: Vector) -> Vector:
+    """Sum of x cross v over a row-major sum of v x^T, as `cross`."""
+    if len(T) == 1:
+        return (0.0,)
+    if len(T) == 4:
+        return (T[2] - T[1],)
+    return (T[7] - T[5], T[2] - T[6], T[3] - T[1])
+
+
+@jit
 def columns(T: Vector, factor: Vector) -> tuple[Vector, ...]:
     """Columns of a row-major tensor, each times its factor."""
     if len(T) == 1:
@@ -114,6 +134,37 @@ def null(like: Vector) -> tuple[Vector, Vector, Vector]:
     if len(like) == 2:
         return (0.0, 0.0), (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@jit
+def identity(like: Vector) -> Vector:
+    """Row-major identity of the dimension of a tensor."""
+    if len(like) == 1:
+        return (1.0,)
+    if len(like) == 4:
+        return (1.0, 0.0, 0.0, 1.0)
+    return (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
+
+@jit
+def dyad(v: Vector, a: Vector) -> Vector:
+    """Row-major tensor v a^T."""
+    if len(v) == 1:
+        return (v[0] * a[0],)
+    if len(v) == 2:
+        return (v[0] * a[0], v[0] * a[1], v[1] * a[0], v[1] * a[1])
+    x, y, z = a
+    return (v[0] * x, v[0] * y, v[0] * z, v[1] * x, v[1] * y, v[1] * z, v[2] * x, v[2] * y, v[2] * z)
+
+
+@jit
+def combination(T, a: Vector) -> Vector:
+    """Sum of vectors T_k (d, d) times a_k."""
+    if len(T) == 1:
+        return scale(a[0], T[0])
+    if len(T) == 2:
+        return axpy(a[0], T[0], scale(a[1], T[1]))
+    return axpy(a[0], T[0], axpy(a[1], T[1], scale(a[2], T[2])))
 
 
 @jit
