@@ -42,7 +42,7 @@ TO_GRID, TO_PARTICLES, STRAIN_ALONE, SMOOTH = range(4)
 GROWTH = 100.0
 """A run is unstable when its kinetic energy exceeds all the energy that it was ever given by this factor."""
 MASSLESS = 1e-12
-"""Nodes with less than this part of a particle's mass carry no velocity: f/m would overflow."""
+"""Nodes with less than this part of the largest particle's mass carry no velocity: f/m would overflow."""
 
 
 @njit
@@ -236,7 +236,7 @@ def march(
     Material Point Method, 2017 (the leapfrog form); de Vaucorbeil, Nguyen and Hutchinson, 2020,
     doi:10.1016/j.cma.2019.112783 (total Lagrangian).
     """
-    massless = MASSLESS * particles.mass[0]
+    massless = MASSLESS * particles.mass.max()
     count, last, strayed = strips.passed.size, histories.mass.size - 1, False
     x, y, z = grid.axes[0], grid.axes[min(1, len(grid.lower) - 1)], grid.axes[len(grid.lower) - 1]
     added, force = np.zeros(len(grid.lower)), np.zeros(len(grid.lower))

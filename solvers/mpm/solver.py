@@ -29,7 +29,7 @@ from . import loop, passes
 from .basis import BASES, SPLINES, Axis, basis_axis
 from .constitution import LAWS, constitution
 from .faces import ghosts, tabulate_faces
-from .layout import place_particles
+from .layout import REGULAR, Layout, place_particles
 from .order import Strips, sort, strips
 from .state import Grid, Histories, Nodes, Outputs, Particles, Scheme
 from .transfers import FLIP, Transfer
@@ -94,6 +94,7 @@ class MaterialPoint:
     basis: str = "linear"
     formulation: str = "updated"
     body_force_at: str = "particles"
+    layout: Layout = REGULAR
 
     conserves: ClassVar[frozenset[str]] = frozenset({"mass", "momentum"})
 
@@ -119,8 +120,9 @@ class MaterialPoint:
 
     @property
     def name(self) -> str:
+        choices = FORMULATIONS[self.formulation], self.basis, self.schedule.lower(), self.transfer.name
         nodal = "-nodalforce" if self.body_force_at == "nodes" else ""
-        return f"mpm-{FORMULATIONS[self.formulation]}-{self.basis}-{self.schedule.lower()}-{self.transfer.name}{nodal}"
+        return f"mpm-{'-'.join(choices)}{nodal}{'' if self.layout == REGULAR else f'-{self.layout.name}'}"
 
     @property
     def orders(self) -> Mapping[str, float]:
@@ -150,7 +152,7 @@ class MaterialPoint:
         self._check(problem)
         steps, dt = discretisation.time_steps(problem)
         grid = self._grid(problem, discretisation)
-        reference, volume = place_particles(problem, discretisation)
+        reference, volume = place_particles(problem, discretisation, self.layout)
         particles = self._particles(problem, reference, volume)
         count, dimension = reference.shape
         state = (
@@ -230,7 +232,8 @@ class MaterialPoint:
         require(taken, self.name, problem, "prescribed velocities, tractions and joined ends as boundary conditions")
         joined = [isinstance(condition, Periodic) for _, condition in sorted(problem.boundary.items())]
         require(joined[::2] == joined[1::2], self.name, problem, "axes of which both ends are joined or neither")
-        require(problem.shape is None, self.name, problem, "bodies that fill their box")
+        loaded = problem.shape is not None and any(isinstance(c, Traction) and c != Traction() for c in conditions)
+        require(not loaded, self.name, problem, "no traction on faces that the body does not touch")
         flat = problem.dimension == 2 or not isinstance(problem.material, PlaneStress)
         require(flat, self.name, problem, "plane stress in two dimensions")
         state = {"displacement", "displacement_gradient", "stress"}
