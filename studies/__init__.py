@@ -16,6 +16,8 @@ NAMES = (
     "dispersion",
     "error-sources",
     "large-deformation",
+    "expanding-ring",
+    "generalised-vortex",
     "mpm-stability",
 )
 BASELINE = Path(__file__).with_name("baseline.json")

@@ -13,14 +13,10 @@ LINEAR = MaterialPoint("MUSL", formulation="total")
 QUADRATIC = MaterialPoint("USF", FLIP, "quadratic", "total")
 AFFINE = MaterialPoint("USL", APIC, "quadratic", "total")
 UPDATED = MaterialPoint("USL")
-AFFINE_SOURCE = (
-    "second order in space and, where dt follows h, a damping of second order: the affine velocity keeps what PIC smooths at first "
-    "order; Jiang, Schroeder and Teran (2017), doi:10.1016/j.jcp.2017.02.050"
-)
 
 
 def _series(solver: MaterialPoint, first: int, levels: int) -> Series:
-    source = AFFINE_SOURCE if solver.transfer is APIC else v.MPM_SOURCE
+    source = v.AFFINE_SOURCE if solver.transfer is APIC else v.MPM_SOURCE
     expected: Criterion = Order("displacement", "L2-max", 1.8, 2.2, source)
     if solver.formulation == "updated":
         expected = Stall("displacement", "L2-max", 0.5, v.CROSSING_SOURCE)

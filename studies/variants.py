@@ -68,6 +68,10 @@ MPM_SOURCE = (
     "second order of explicit MPM before particles cross cells: Steffen, Kirby and Berzins (2008), doi:10.1002/nme.2360; "
     "Wallstedt and Guilkey (2008), doi:10.1016/j.jcp.2008.07.019"
 )
+AFFINE_SOURCE = (
+    "second order in space and, where dt follows h, a damping of second order: the affine velocity keeps what PIC smooths at first "
+    "order; Jiang, Schroeder and Teran (2017), doi:10.1016/j.jcp.2017.02.050"
+)
 STRESS_SOURCE = "first order of the gradient of a linear basis away from the middle of a cell; " + MPM_SOURCE
 SPLINE_SOURCE = (
     "between 3/2 and 2, own derivation: second order inside, but the lumped mass of the clamped quadratic spline is off its node by "
@@ -87,6 +91,11 @@ ENERGY_SOURCE = (
 CROSSING_SOURCE = (
     "the linear basis stalls or diverges at fixed particles per cell once particles cross cells; quadratic B-splines do not "
     "until their smaller quadrature error shows: Steffen, Kirby and Berzins (2008), doi:10.1002/nme.2360"
+)
+SATURATION_SOURCE = (
+    "the quadrature of quadratic B-splines over moved particles has an error that does not fall at a fixed number of them per cell, and "
+    "ends the convergence: Steffen, Kirby and Berzins (2008), doi:10.1002/nme.2360; in the ring gaps open between particles: Wallstedt "
+    "and Guilkey (2008), doi:10.1016/j.jcp.2008.07.019"
 )
 GEOMETRIC_SOURCE = (
     "the closed form is linear, an updated Lagrangian code is not: at a strain amplitude of 1 % it converges to another "

@@ -7,9 +7,8 @@ import numpy as np
 from mpmverify.errors import UsageError
 from mpmverify.problem import Array, Discretisation, Problem
 
-SLIVER = 1e-6
+SLIVER = 1e-4
 """Parts of a sub-cell below this share of it belong to the particle of a neighbour."""
-CENTER = False
 
 
 @dataclass(frozen=True)
@@ -79,8 +78,7 @@ def place_particles(problem: Problem, at: Discretisation, layout: Layout = REGUL
     if problem.shape is not None:
         area, centroid = problem.shape.parts(lower, upper)
         cut = area < volume * (1 - 1e-12)
-        if not CENTER:
-            place[cut] = centroid[cut]
+        place[cut] = centroid[cut]
         volume, place = _without_slivers(area, place, SLIVER * volume, [len(p) for p, _ in reversed(axes)])
     if layout.offset or at.jitter:
         random = np.random.default_rng(at.seed)
