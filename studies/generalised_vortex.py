@@ -40,7 +40,11 @@ STUDY = Study(
             generalised_vortex(1.0, outputs=64),
             (
                 _series(
-                    MaterialPoint("MUSL", APIC, "quadratic", "total"), _order(v.AFFINE_SOURCE), (64, 80, 96, 128), 3, courant=STEEP
+                    MaterialPoint("MUSL", APIC, "quadratic", "total"),
+                    _order(v.AFFINE_SOURCE),
+                    (64, 80, 96, 128),
+                    3,
+                    courant=STEEP,
                 ),
             ),
             shown="displacement",

@@ -25,7 +25,7 @@ from mpmverify.problem import (
     Velocity,
 )
 from mpmverify.solution import Status
-from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
+from mpmverify.solvers.mpm import APIC, FLIP, GAUSS, PIC, TPIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
 from mpmverify.solvers.mpm.layout import place_particles
 
 FIXED, FREE = Velocity(), Traction()
@@ -348,6 +348,7 @@ def test_names_are_made_of_the_choices_and_unique():
         {"body_force_at": "cells"},
         {"body_force_at": "nodes"},
         {"basis": "cpdi", "transfer": APIC},
+        {"basis": "ugimp", "layout": GAUSS},
     ],
     ids=str,
 )

@@ -31,7 +31,7 @@ from .constitution import LAWS, constitution
 from .faces import ghosts, tabulate_faces
 from .layout import REGULAR, Layout, place_particles
 from .order import Strips, sort, strips
-from .state import Grid, Histories, Nodes, Outputs, Particles, Scheme
+from .state import Grid, Histories, Nodes, Outputs, Particles, Scheme, by_component
 from .transfers import FLIP, Transfer
 
 SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
@@ -68,17 +68,21 @@ class MaterialPoint:
         Lagrangian formulation.
     body_force_at : {"particles", "nodes"}
         Where the body force is evaluated; nodes keep their material coordinates in the total Lagrangian only.
+    layout : Layout
+        Where the particles of a cell begin.
 
     Raises
     ------
     UsageError
-        If a choice does not exist, the body force is asked for at the nodes of an updated Lagrangian grid, or an affine transfer
-        for CPDI.
+        If a choice does not exist, the body force is asked for at the nodes of an updated Lagrangian grid, an affine transfer
+        for CPDI, or Gauss points for particles that have a domain.
 
     Notes
     -----
     Position, stress and deformation gradient live at t^n, velocity at t^{n-1/2}; what is returned is synchronous. A traction
     acts on the end functions of the grid: in the updated Lagrangian formulation a loaded face must stay within its cells.
+    Where a free surface crosses a cell by little, f/m of the nodes beyond it is large: harmless to B-splines; linear functions need
+    FLIP or FMPM, with USF or MUSL, to strain by velocities that the mass of the particles has averaged.
 
     References
     ----------
@@ -109,10 +113,14 @@ class MaterialPoint:
                 raise UsageError(
                     f"the {what} of a material point solver is one of {', '.join(map(str, choices))}, not {value!r}"
                 )
-        if not isinstance(self.transfer, Transfer):
-            raise UsageError(f"the transfer of a material point solver is one of mpmverify.solvers.mpm, not {self.transfer!r}")
+        for kind, chosen in ((Transfer, self.transfer), (Layout, self.layout)):
+            if not isinstance(chosen, kind):
+                what = kind.__name__.lower()
+                raise UsageError(f"the {what} of a material point solver is one of mpmverify.solvers.mpm, not {chosen!r}")
         if self.transfer.affine and self.basis == "cpdi":
             raise UsageError("an affine transfer needs functions that are products: choose another basis than CPDI")
+        if self.layout.gauss and BASES[self.basis].kind != SPLINES:
+            raise UsageError("the domains of GIMP and CPDI are equal parts of a cell: choose another layout than Gauss points")
         if self.body_force_at == "nodes" and self.formulation != "total":
             raise UsageError(
                 "the body force can be taken at the nodes in the total Lagrangian formulation only: set formulation='total'"
@@ -129,10 +137,10 @@ class MaterialPoint:
         """Formal orders in h while no particle crosses a cell.
 
         PIC damps at first order; the affine transfers keep what it smooths, and damp at second order, as XPIC and FMPM do with two
-        terms. The gradient of the hat is
-        constant in a cell, thus second order in its middle only (`ppc` = 1). The lumped mass of the clamped spline is off its node by
-        O(h) in the two functions at each end: half an order in L2 there, of the acceleration that FLIP adds to the velocity, too. The
-        gradients of moving least squares are exact for a linear field, and off by O(h) of its curvature.
+        terms. The gradient of the hat is constant in a cell, thus second order in its middle only (`ppc` = 1). The lumped mass of the
+        clamped spline is off its node by O(h) in the two functions at each end: half an order in L2 there, of the acceleration that
+        FLIP adds to the velocity, too. The gradients of moving least squares are exact for a linear field, and off by O(h) of its
+        curvature.
         """
         damped = self.transfer.flip < 1 and not self.transfer.affine and self.transfer.terms == 1
         if damped or BASES[self.basis].least_squares:
@@ -297,17 +305,6 @@ def node_positions(axes: tuple[Axis, ...]) -> Array:
     """Material coordinates of the nodes (n, d) [m], x fastest."""
     mesh = np.meshgrid(*(axis.nodes for axis in reversed(axes)), indexing="ij")
     return np.stack([coordinate.ravel() for coordinate in reversed(mesh)], axis=1)
-
-
-def by_component(histories: Histories, done: int) -> dict[str, Array]:
-    """Histories by the names of `Solution`: a vector has one for each component where there are several."""
-    found: dict[str, Array] = {}
-    for name, values in histories._asdict().items():
-        if values.ndim == 1 or values.shape[1] == 1:
-            found[name] = values[:done].reshape(done)
-        elif values.shape[1]:
-            found |= {f"{name}_{axis}": values[:done, k].copy() for k, axis in enumerate("xyz"[: values.shape[1]])}
-    return found
 
 
 def _tabulate(body_force: BodyForce | None, points: Array, times: Array) -> Array:
