@@ -1,0 +1,109 @@
+"""Speed beside taichi and warp on the same problem: `python tests/benchmarks/peers.py`.
+
+Two dimensions, double precision, four particles a cell, a periodic square of linear elastic material, stress updated last in the
+updated Lagrangian formulation: hat functions with FLIP, and quadratic B-splines with APIC, which is what the examples mpm88 and
+mpm99 of taichi do but for the gradient of the splines in the place of that of moving least squares. Every code takes the same
+particles, sorted by cell, at the same time step; positions, velocities and stresses are compared before anything is timed. The
+peers do less: they keep det F in the place of F, one mass and one volume for all, and neither energies nor checks.
+
+What is timed is each code's own loop over the steps, without compilation, and the codes take turns.
+"""
+
+import os
+import statistics
+import time
+from collections.abc import Callable
+
+import click
+import numba
+import numpy as np
+from bodies import periodic_body
+from rich.console import Console
+from rich.table import Table
+from schemes import SCHEMES, Body, Peer, State, advance, sorted_body, synchronous
+
+from mpmverify.problem import Array, Discretisation, Problem
+from mpmverify.solution import Solution
+from mpmverify.solvers.mpm import MaterialPoint
+
+os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
+TOLERANCE = 1e-10
+"""Of the largest difference, by the largest value: the schemes are the same, round-off is what is left after some dozen steps."""
+
+
+def deviation(state: State, order: Array, solution: Solution) -> dict[str, float]:
+    """Largest difference of displacement, velocity and stress at the end, by the largest value of each [1]."""
+    found = {}
+    displacement = state.position - solution.reference[order]
+    for name, values in (("displacement", displacement), ("velocity", state.velocity), ("stress", state.stress)):
+        ours = solution.fields[name][-1][order]
+        found[name] = float(np.abs(values - ours).max() / np.abs(ours).max())
+    return found
+
+
+def seconds_of_peer(peer: Peer, body: Body, steps: int) -> float:
+    """Wall time of steps from the present state [s]."""
+    peer.wait()
+    started = time.perf_counter()
+    for _ in range(steps):
+        peer.step(body.dt, body.dt)
+    peer.wait()
+    return time.perf_counter() - started
+
+
+def peers_of(body: Body, quadratic: bool, threads: int) -> dict[str, Peer]:
+    """Peers that run on so many threads."""
+    from taichi_peer import TaichiPeer
+    from warp_peer import WarpPeer
+
+    return {"taichi": TaichiPeer(body, quadratic, threads), "warp": WarpPeer(body, quadratic)}
+
+
+def compare(
+    solver: MaterialPoint, problem: Problem, at: Discretisation, steps: int, rounds: int, threads: int
+) -> dict[str, float]:
+    """Million particle-steps per second of each code, medians of rounds in which they take turns."""
+    numba.set_num_threads(threads)
+    solution = solver.solve(problem, at)
+    body, order = sorted_body(problem, at, solution.reference)
+    peers = peers_of(body, solver.basis == "quadratic", threads)
+    for name, peer in peers.items():
+        advance(peer, body, steps)
+        found = deviation(synchronous(peer, body), order, solution)
+        click.echo(
+            f"{solver.name}, {threads} threads, {name}: differs by " + ", ".join(f"{k} {v:.1e}" for k, v in found.items())
+        )
+        if not max(found.values()) < TOLERANCE:
+            raise SystemExit(f"{name} solves something else: its results differ by more than {TOLERANCE:g}")
+    del solution
+    timed: dict[str, Callable[[], float]] = {"mpmverify": lambda: solver.solve(problem, at).work.seconds}
+    timed |= {name: lambda peer=peer: seconds_of_peer(peer, body, steps) for name, peer in peers.items()}
+    seconds: dict[str, list[float]] = {name: [] for name in timed}
+    for _ in range(rounds):
+        for name, measure in timed.items():
+            seconds[name].append(measure())
+    return {name: 1e-6 * len(body.position) * steps / statistics.median(values) for name, values in seconds.items()}
+
+
+@click.command(help=__doc__.split("\n")[0])
+@click.option("--particles", type=float, default=1e6, show_default=True, help="Number of particles, about.")
+@click.option("--steps", type=int, default=40, show_default=True, help="Steps of a round.")
+@click.option("--rounds", type=int, default=5, show_default=True, help="Rounds, of which the median counts.")
+@click.option("--threads", type=int, multiple=True, help="Numbers of threads  [default: 1 and all].")
+@click.option("--scheme", type=click.Choice(sorted(SCHEMES)), multiple=True, help="Schemes  [default: all].")
+def main(particles: float, steps: int, rounds: int, threads: tuple[int, ...], scheme: tuple[str, ...]) -> None:
+    problem, at = periodic_body(2, particles, steps)
+    table = Table(title=f"Million particle-steps per second, {at.ppc**2 * at.cells(problem)[0] ** 2:,} particles, float64")
+    for heading in ("scheme", "threads", "mpmverify", "taichi", "warp", "by taichi", "by warp", "by the best"):
+        table.add_column(heading, justify="left" if heading == "scheme" else "right")
+    for name in scheme or SCHEMES:
+        for count in threads or sorted({1, numba.config.NUMBA_NUM_THREADS}):
+            rate = compare(SCHEMES[name], problem, at, steps, rounds, count)
+            ours, others = rate["mpmverify"], (rate["taichi"], rate["warp"])
+            ratios = (ours / other for other in (*others, max(others)))
+            table.add_row(name, str(count), *(f"{r:.1f}" for r in (ours, *others)), *(f"{r:.2f}" for r in ratios))
+    Console(width=120).print(table)
+
+
+if __name__ == "__main__":
+    main()

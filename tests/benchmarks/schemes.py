@@ -1,0 +1,97 @@
+"""What the peers solve, and the order in which the particles lie."""
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from mpmverify.problem import Array, Discretisation, Problem
+from mpmverify.solvers.mpm import APIC, FLIP, MaterialPoint
+
+
+@dataclass(frozen=True)
+class Body:
+    """Regular layout in a periodic unit square of n x n cells, sorted by cell; mass [kg/m] and volume V0 [m^2] of a particle.
+
+    Positions and velocities (P, 2) [m, m/s], Lame's constants [Pa] and the time step [s].
+    """
+
+    cells: int
+    position: Array
+    velocity: Array
+    mass: float
+    volume: float
+    lame: float
+    shear: float
+    dt: float
+
+
+@dataclass(frozen=True)
+class State:
+    """What a peer carries from step to step: x [m], v [m/s] and C [1/s] (P, 2, 2), sigma = (xx, yy, xy) [Pa] and J [1]."""
+
+    position: Array
+    velocity: Array
+    affine: Array
+    stress: Array
+    J: Array
+
+
+class Peer(Protocol):
+    """A code that advances particles."""
+
+    def load(self, state: State) -> None:
+        """Take a state."""
+
+    def state(self) -> State:
+        """Give the state."""
+
+    def step(self, kick: float, dt: float) -> None:
+        """Kick the velocity by `kick` and move by `dt` [s], without waiting for the end of it."""
+
+    def wait(self) -> None:
+        """Wait until all steps are done."""
+
+
+SCHEMES = {
+    "linear USL FLIP": MaterialPoint("USL", FLIP, "linear"),
+    "quadratic USL APIC": MaterialPoint("USL", APIC, "quadratic"),
+}
+
+
+def sorted_body(problem: Problem, at: Discretisation, reference: Array) -> tuple[Body, Array]:
+    """Particles at their reference positions (P, 2) [m] in the order of their cells, and that order (P,)."""
+    assert problem.lower == (0.0, 0.0)
+    cells, _ = at.cells(problem)
+    column, row = (reference // at.h).astype(int).T
+    order = np.argsort(row * cells + column, kind="stable")
+    velocity = problem.initial_field("velocity", reference)
+    material, volume = problem.material, (at.h / at.ppc) ** 2
+    _, dt = at.time_steps(problem)
+    lame, shear = material.lame_lambda, material.shear_modulus
+    return Body(cells, reference[order], velocity[order], material.density * volume, volume, lame, shear, dt), order
+
+
+def at_rest(body: Body) -> State:
+    """Initial state of an undeformed body."""
+    count = len(body.position)
+    return State(body.position, body.velocity, np.zeros((count, 2, 2)), np.zeros((count, 3)), np.ones(count))
+
+
+def advance(peer: Peer, body: Body, steps: int) -> None:
+    """Take steps of the leapfrog from v^0; the first one kicks by half a step."""
+    peer.load(at_rest(body))
+    for n in range(steps):
+        peer.step(body.dt if n else 0.5 * body.dt, body.dt)
+    peer.wait()
+
+
+def synchronous(peer: Peer, body: Body) -> State:
+    """State with v^n = v^{n-1/2} + dt/2 sum_I N_I a_I, the last term from two steps that differ in their kick alone."""
+    state, moved = peer.state(), []
+    for kick in (0.5 * body.dt, 0.0):
+        peer.load(state)
+        peer.step(kick, body.dt)
+        peer.wait()
+        moved.append(peer.state().velocity)
+    return replace(state, velocity=state.velocity + moved[0] - moved[1])
