@@ -99,6 +99,7 @@ def main(particles: float, steps: int, rounds: int, threads: tuple[int, ...], sc
     for name in scheme or SCHEMES:
         for count in threads or sorted({1, numba.config.NUMBA_NUM_THREADS}):
             rate = compare(SCHEMES[name], problem, at, steps, rounds, count)
+            click.echo(", ".join(f"{code} {value:.1f}" for code, value in rate.items()) + " million particle-steps per second")
             ours, others = rate["mpmverify"], (rate["taichi"], rate["warp"])
             ratios = (ours / other for other in (*others, max(others)))
             table.add_row(name, str(count), *(f"{r:.1f}" for r in (ours, *others)), *(f"{r:.2f}" for r in ratios))
