@@ -25,7 +25,8 @@ def place(scheme: Scheme, grid: Grid, particles: Particles, p: int) -> Vector:
 def cells_from_end(axis, x: float, scale: float) -> float:
     """Distance from the lower end in cells; a periodic axis brings it back between its ends."""
     s = (x - axis.lower) * scale
-    return s - axis.cells * (s // axis.cells) if axis.periodic else s
+    beyond = axis.periodic and not 0 <= s < axis.cells  # to divide and floor takes as long as the rest of a step
+    return s - axis.cells * (s // axis.cells) if beyond else s
 
 
 @jit
