@@ -1,4 +1,9 @@
-"""Largest resident memory of a run: `python tests/benchmarks/memory.py`."""
+"""Largest resident memory of a run: `python tests/benchmarks/memory.py`.
+
+In two dimensions a particle of linear USL with FLIP takes 128 bytes of state, 24 of its layout and 48 while it is sorted, a node 120
+bytes (30 a particle at four a cell), each output time 64 bytes a particle and 16 more for its position at the end. With the first
+and the last time alone the most is reached there: 128 + 24 + 30 + 2 (64 + 16) = 342.
+"""
 
 import resource
 import sys
@@ -13,7 +18,7 @@ def peak() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
 
 
-@click.command(help=__doc__)
+@click.command(help=__doc__.split("\n")[0])
 @click.option("--particles", type=float, default=1e7, show_default=True, help="Number of particles, about.")
 @click.option("--steps", type=int, default=4, show_default=True, help="Steps of the run.")
 @click.option("--dimension", type=click.IntRange(1, 3), default=2, show_default=True, help="Of the body.")
