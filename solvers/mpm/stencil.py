@@ -148,7 +148,8 @@ def corner(axes, s: Vector, R, G, grid: Grid, c: int):
 @jit
 def hat_at(axis, s: float):
     """First hat and N (2,) at a place that may have left a periodic axis."""
-    return hat_along(axis, s - axis.cells * (s // axis.cells) if axis.periodic else s)
+    beyond = axis.periodic and not 0 <= s < axis.cells
+    return hat_along(axis, s - axis.cells * (s // axis.cells) if beyond else s)
 
 
 @jit
