@@ -8,6 +8,7 @@ import signal
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -54,14 +55,16 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
     MpmverifyError
         What a worker raised: misuse, or a damaged results folder.
     """
-    waiting = deque(tasks)
+    waiting: dict[str, deque[Task]] = {}
+    for task in tasks:
+        waiting.setdefault(task.study, deque()).append(task)
     workers: list[_Worker] = []
     try:
-        workers += (_Worker(timeout) for _ in range(min(jobs, len(waiting))))
+        workers += (_Worker(timeout) for _ in range(min(jobs, sum(map(len, waiting.values())))))
         while waiting or any(worker.task for worker in workers):
             for worker in workers:
                 if worker.task is None and waiting:
-                    worker.start(waiting.popleft())
+                    worker.start(_next(waiting, worker.study, {other.study for other in workers}))
             busy = [worker for worker in workers if worker.task]
             pause = max(0.0, min(worker.deadline for worker in busy) - time.monotonic())
             ready = wait([worker.connection for worker in busy], min(pause, LONGEST_WAIT))
@@ -77,12 +80,26 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
             worker.stop()
 
 
+def _next(waiting: dict[str, deque[Task]], mine: str, taken: AbstractSet[str]) -> Task:
+    """Take a task of the study that a worker is at, else of the first that none is at, else of the one with most tasks left.
+
+    Two workers at one study compile the same solvers at the same time.
+    """
+    free = [study for study in waiting if study not in taken]
+    study = mine if mine in waiting else free[0] if free else max(waiting, key=lambda name: len(waiting[name]))
+    task = waiting[study].popleft()
+    if not waiting[study]:
+        del waiting[study]
+    return task
+
+
 class _Worker:
-    """One process and the task that it works on."""
+    """One process, the task that it works on, and the study that this is of."""
 
     def __init__(self, timeout: float) -> None:
         self.timeout = timeout
         self.task: Task | None = None
+        self.study = ""
         self.deadline = 0.0
         self.ready = False
         self._spawn()
@@ -96,7 +113,7 @@ class _Worker:
         theirs.close()
 
     def start(self, task: Task) -> None:
-        self.task, self.deadline = task, time.monotonic() + START_UP + self.timeout
+        self.task, self.study, self.deadline = task, task.study, time.monotonic() + START_UP + self.timeout
         try:
             self.connection.send(task)
         except BrokenPipeError:  # the process died while idle: receiving says so

@@ -9,7 +9,7 @@ from numba import njit, prange
 from mpmverify.problem import Array
 
 from .basis import Axis
-from .compilation import SOURCES, compiled, jit
+from .compilation import SOURCES, WITHOUT_ENTRY, compiled, jit
 from .constitution import Constants
 from .grid import accelerate, add_term, begin_series, clear, external_force_and_power, kick_nodes, leapfrog, nodal_velocity
 from .order import INTERVAL, Strips
@@ -292,8 +292,14 @@ def march(
 
 
 def _assembled(march: Any, of_sweep: dict[str, bool], **options: bool) -> Any:
-    passes = {"sweep": compiled(sweep, {}, **of_sweep)}
-    return compiled(march, passes | {"refine": compiled(refine, passes, **options)}, cache=True, **options)
+    passes = {"sweep": compiled(sweep, {}, **WITHOUT_ENTRY, **of_sweep)}
+    return compiled(
+        march,
+        passes | {"refine": compiled(refine, passes, **WITHOUT_ENTRY, **options)},
+        cache=True,
+        no_cfunc_wrapper=True,
+        **options,
+    )
 
 
 march_in_threads = _assembled(march, {"parallel": True}, nogil=True)
