@@ -116,7 +116,7 @@ def _without_slivers(area: Array, place: Array, least: Array, counts: list[int])
     into = np.where(area < least, largest, around[0])
     while not np.array_equal(into[into], into):
         into = into[into]
-    total = np.bincount(into, area, len(area))
+    total = np.bincount(into, area, len(area)).astype(np.float64)
     joined = total > area
     for k in range(2):
         place[joined, k] = np.bincount(into, area * place[:, k], len(area))[joined] / total[joined]
