@@ -75,5 +75,4 @@ def grows(solution: Solution) -> bool:
     if solution.outcome.status in UNSTABLE:
         return True
     parts = [solution.histories[name] for name in ("kinetic_energy", "strain_energy") if name in solution.histories]
-    energy = sum(parts)
-    return bool(parts and (energy[-1] > GROWTH * energy[0]))
+    return bool(parts) and float(sum(part[-1] for part in parts)) > GROWTH * float(sum(part[0] for part in parts))

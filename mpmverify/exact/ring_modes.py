@@ -33,8 +33,8 @@ class Modes:
 
     def waves(self, X: Array, t: Array) -> tuple[Array, Array, Array]:
         """Wave numbers (N,) [rad/m], phases k X + phi (1, P, N) and k c t (T, 1, N)."""
-        n = np.arange(1, self.count + 1)
-        k = 2 * np.pi * n / self.length
+        n = np.arange(1, self.count + 1, dtype=float)
+        k: Array = 2 * np.pi * n / self.length
         return k, (X * k + np.pi * n**2 / self.count + np.pi / 2)[None], self.wave_speed * t[:, None, None] * k
 
     def displacement(self, X: Array, t: Array) -> Array:
