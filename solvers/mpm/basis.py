@@ -102,7 +102,7 @@ def domain_axis(lower: float, h: float, cells: int, width: int, periodic: bool =
     """Hats for particles that have a domain, which meets `width` of them; parameters as of `spline_axis`."""
     hats, padding = spline_axis(lower, h, cells, 1, periodic), 0 if periodic else 1
     count = cells + width - 1 + 2 * padding
-    return hats._replace(nodes=lower + h * (np.arange(count) - padding), padding=padding)
+    return hats._replace(nodes=lower + h * (np.arange(count, dtype=np.float64) - padding), padding=padding)
 
 
 def basis_axis(basis: Basis, lower: float, h: float, cells: int, periodic: bool = False) -> Axis:

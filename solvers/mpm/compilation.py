@@ -18,7 +18,7 @@ class Jit(Protocol):
 
 
 ARITHMETIC: dict[str, Any] = {"fastmath": {"contract"}, "error_model": "numpy"}
-WITHOUT_ENTRY: dict[str, bool] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+WITHOUT_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """For what Python never calls: entries take a third of the time of compilation."""
 WITHIN: dict[str, Any] = {"forceinline": True, "_nrt": False}
 jit = cast(Jit, njit(**ARITHMETIC, **WITHOUT_ENTRY, **WITHIN))

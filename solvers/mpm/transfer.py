@@ -22,7 +22,7 @@ def spread(grid: Grid, nodes, column, at, amount):
     else:
         share = scale(1 / (1 << len(at[0])), amount)
         for c in range(1 << len(at[0])):
-            first, w, _ = corner(grid.axes, *at, grid, c)
+            first, w, _ = corner(grid.axes, at[0], at[1], at[2], grid, c)
             spread_products(nodes, column, first, grid.stride, w, share)
 
 
@@ -33,7 +33,7 @@ def spread_tensor(grid: Grid, nodes, column, at, T):
         spread_gradients(nodes, column, at[0], grid.stride, at[1], at[2], T)
     else:
         for c in range(1 << len(at[0])):
-            first, w, gradient = corner(grid.axes, *at, grid, c)
+            first, w, gradient = corner(grid.axes, at[0], at[1], at[2], grid, c)
             spread_products(nodes, column, first, grid.stride, w, combination(T, gradient))
 
 
@@ -44,7 +44,7 @@ def gather(grid: Grid, nodes, at):
     if len(at) == 4:
         return gather_products(nodes, at[0], grid.stride, at[1], total)
     for c in range(1 << len(at[0])):
-        first, w, _ = corner(grid.axes, *at, grid, c)
+        first, w, _ = corner(grid.axes, at[0], at[1], at[2], grid, c)
         total = axpy(1 / (1 << len(at[0])), gather_products(nodes, first, grid.stride, w, null(at[0])[0]), total)
     return total
 
@@ -56,7 +56,7 @@ def gather_tensor(grid: Grid, nodes, at):
     if len(at) == 4:
         return gather_gradients(nodes, at[0], grid.stride, at[1], at[2], zero)
     for c in range(1 << len(at[0])):
-        first, w, gradient = corner(grid.axes, *at, grid, c)
+        first, w, gradient = corner(grid.axes, at[0], at[1], at[2], grid, c)
         total = axpy(1.0, dyad(gather_products(nodes, first, grid.stride, w, zero), gradient), total)
     return total
 

@@ -158,7 +158,7 @@ def dyad(v: Vector, a: Vector) -> Vector:
 
 
 @jit
-def combination(T, a: Vector) -> Vector:
+def combination(T: tuple[Vector, ...], a: Vector) -> Vector:
     """Sum of vectors T_k (d, d) times a_k."""
     if len(T) == 1:
         return scale(a[0], T[0])
