@@ -123,11 +123,15 @@ def strain(scheme: Scheme, particles: Particles, p: int, like: Vector, increment
 
 
 @jit
-def move(particles: Particles, p: int, increment: Vector, limits: Array) -> int:
-    """x_p += dt v; STRAYED when its last coordinate passes the limits (2,) [m]."""
+def move(grid: Grid, particles: Particles, p: int, increment: Vector, limits: Array) -> int:
+    """x_p += dt v; STRAYED when its last coordinate, on a periodic axis all its images, passes the limits (2,) [m]."""
     x = axpy(1.0, increment, row(particles.position, p, increment))
     store(particles.position, p, x)
-    return PASSED if limits[0] <= x[-1] <= limits[1] else STRAYED
+    y, axis = x[-1], grid.axes[len(x) - 1]
+    if axis.periodic and not limits[0] <= y <= limits[1]:
+        length = axis.cells / grid.scale
+        y -= length * ((y - limits[0]) // length)
+    return PASSED if limits[0] <= y <= limits[1] else STRAYED
 
 
 @jit
@@ -189,7 +193,7 @@ def grid_to_particles(
             spread(grid, nodes.inertia, 1, at, scale(m, v))
             spread_affine(scheme, grid, particles, particles.affine, nodes, p, m, at)
             continue
-        passed = min(passed, move(particles, p, scale(dt, moved), limits))
+        passed = min(passed, move(grid, particles, p, scale(dt, moved), limits))
         if scheme.schedule == USL:
             strained, heat = strain(scheme, particles, p, zero, scale(dt, gradient), dt)
             turned += heat
@@ -224,7 +228,7 @@ def strain_particles(
         gradient = gather_tensor(grid, nodal, at)
         if not first_of_all:
             moved = gather(grid, nodes.velocity, at)
-            passed = min(passed, move(particles, p, scale(dt, moved), limits))
+            passed = min(passed, move(grid, particles, p, scale(dt, moved), limits))
         strained, heat = strain(scheme, particles, p, zero, scale(dt, gradient), dt)
         turned += heat
         if not strained:
