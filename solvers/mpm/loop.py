@@ -137,7 +137,7 @@ def sweep(
     (schedule, affine, flip, terms, full_mass, total, nodal_body, law, constants) = scheme
     lame, shear, time = constants
     _, lower, scale, stride, width, ghosts, basis, least_squares, half, stretched = grid
-    count = strips.passed.size
+    said, count = strips.passed, strips.passed.size
     for colour in range(2):
         for k in prange((count + 1 - colour) // 2):
             choices = Scheme(schedule, affine, flip, terms, full_mass, total, nodal_body, law, Constants(lame, shear, time))
@@ -155,10 +155,10 @@ def sweep(
                 passed = smooth(choices, space, particles, nodes, first, stop)
             else:
                 passed = strain_particles(choices, space, particles, nodes, dt, strips.limits[s], strips.sums[s], first, stop)
-            strips.passed[s] = passed
+            said[s] = passed
     worst = PASSED
     for s in range(count):
-        worst = min(worst, strips.passed[s])
+        worst = min(worst, said[s])
     return worst
 
 
