@@ -109,8 +109,8 @@ MPM_LAW, MPM_PASSES, MPM_GRID, MPM_FACES = "mpm/constitution.py", "mpm/passes.py
 MPM_SOLVER = "mpm/solver.py"
 MPM_HOOKE = "return shifted(lame * trace(eps), 2 * shear, eps)"
 MPM_NEO_HOOKEAN_STRESS = "return shifted((lame * log(J) - shear) / J, shear / J, b)"
-MPM_STRAINED = "not strain(scheme, particles, p, zero, scale(dt, gradient), dt)"
-MPM_NO_DT = "not strain(scheme, particles, p, zero, gradient, dt)"
+MPM_STRAINED = "strained, heat = strain(scheme, particles, p, zero, scale(dt, gradient), dt)"
+MPM_NO_DT = "strained, heat = strain(scheme, particles, p, zero, gradient, dt)"
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 TG_MODULUS = "-(material.lame_lambda + 2 * material.shear_modulus)"
 TG_FLUX = "                    R[i, k] -= dt * contour\n"
@@ -175,8 +175,8 @@ FAULTS = (
     Fault(
         "dt-dropped-from-strain-increment",
         (
-            Edit(MPM_PASSES, f"if {MPM_STRAINED}", f"if {MPM_NO_DT}"),
-            Edit(MPM_PASSES, f"and {MPM_STRAINED}", f"and {MPM_NO_DT}"),
+            Edit(MPM_PASSES, f"USL:\n            {MPM_STRAINED}", f"USL:\n            {MPM_NO_DT}"),
+            Edit(MPM_PASSES, f"limits))\n        {MPM_STRAINED}", f"limits))\n        {MPM_NO_DT}"),
         ),
         (Kill(MPM_VIBRATION, ERROR, "order of displacement"), Kill(MPM_FINITE_STRAIN, ERROR, "order of stress")),
     ),

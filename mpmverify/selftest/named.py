@@ -19,6 +19,7 @@ BY_GRADIENT, BY_OTHER = "(at[0], at[2], at[2], at[3]),", "(at[0], (at[1][0][::-1
 LINEAR = "return shifted(lame * trace(eps), 2 * shear, eps)"
 NEO_HOOKEAN = "return shifted((lame * log(J) - shear) / J, shear / J, b)"
 V_SIGMA, V_PIOLA = "constant(-V0 * det(F), like)", "constant(-V0, like)"
+STRAINED = "strained, heat = strain(scheme, particles, p, zero, scale(dt, gradient), dt)"
 SCALED = "store(particles.stress, p, scale(particles.volume[p] * (1.0 if scheme.total else det(F)), sigma))"
 KICKED = "axpy(step, a, before), scale("
 MOVED = "continue\n        passed = min(passed, move(grid, particles, p, scale(dt, moved), limits))"
@@ -58,13 +59,13 @@ HISTORIC = (
         "strain increment without dt",
         (
             PASSES,
-            "if not strain(scheme, particles, p, zero, scale(dt, gradient)",
-            "if not strain(scheme, particles, p, zero, gradient",
+            f"USL:\n            {STRAINED}",
+            f"USL:\n            {STRAINED}".replace("scale(dt, gradient)", "gradient"),
         ),
         (
             PASSES,
-            "and not strain(scheme, particles, p, zero, scale(dt, gradient)",
-            "and not strain(scheme, particles, p, zero, gradient",
+            f"limits))\n        {STRAINED}",
+            f"limits))\n        {STRAINED}".replace("scale(dt, gradient)", "gradient"),
         ),
     ),
     _fault(MPM, "2 G on the engineering shear strain", (LAW, LINEAR, LINEAR.replace("2 * shear", "4 * shear"))),
@@ -72,7 +73,7 @@ HISTORIC = (
         MPM,
         "particle stress scaled in place by m/rho",
         (PASSES, "at, T)\n        if", f"at, T)\n            {SCALED}\n        if"),
-        (PASSES, "at, T)\n    return", f"at, T)\n            {SCALED}\n    return"),
+        (PASSES, "at, T)\n    sums", f"at, T)\n            {SCALED}\n    sums"),
     ),
     _fault(MPM, "boundary condition on the momentum and not on the force", (GRID, HELD, "")),
     _fault(
@@ -168,9 +169,13 @@ MATERIAL_POINT = (
     _fault(
         MPM,
         "volume of a particle that of its cell",
-        (LAYOUT, "(at.h / at.ppc) ** problem.dimension", "at.h**problem.dimension"),
+        (LAYOUT, "volume = size.prod(axis=1)", "volume = (at.ppc * size).prod(axis=1)"),
     ),
-    _fault(MPM, "particles at the corners of the cell's parts", (LAYOUT, "np.arange(count) + 0.5", "np.arange(count) + 0.25")),
+    _fault(
+        MPM,
+        "particles at the corners of the cell's parts",
+        (LAYOUT, "(np.arange(ppc) + 0.5) / ppc", "(np.arange(ppc) + 0.25) / ppc"),
+    ),
     _fault(MPM, "quadratic functions not clamped at the ends", (BASIS, "np.clip(knots, 0, cells)", "knots")),
     _fault(
         MPM,
