@@ -19,6 +19,7 @@ from mpmverify.problem import (
     Discretisation,
     LinearElastic,
     NeoHookean,
+    Periodic,
     Problem,
     Traction,
     Transport,
@@ -407,30 +408,46 @@ class Swirl:
         return 0.2 * np.stack([np.sin(x / 2) * np.cos(y), np.sin(y / 2) * np.cos(x)], axis=1)
 
 
+def square(velocity, condition=FIXED):
+    conditions = dict.fromkeys(("x-", "x+", "y-", "y+"), condition)
+    return Problem("square", (0.0, 0.0), (1.0, 1.0), NeoHookean(1.0, 1.0), conditions, 0.5, {"velocity": velocity})
+
+
+@pytest.mark.parametrize("many", [np.inf, 0], ids=["serial", "threads"])
+def test_what_fails_in_a_strip_is_told(many, monkeypatch):
+    monkeypatch.setattr(solver, "MANY", many)
+    outcome = MaterialPoint("MUSL").solve(square(lambda X: 100 * Swirl()(X)), Discretisation(1 / 40, 0.3, 2)).outcome
+    assert outcome.detail.endswith("a particle's deformation gradient reached zero")
+
+
+@pytest.mark.parametrize("many", [np.inf, 0], ids=["serial", "threads"])
+@pytest.mark.parametrize("condition", [FIXED, Periodic()], ids=lambda condition: type(condition).__name__)
+def test_particles_that_stay_near_their_strip_are_not_sorted_at_every_step(condition, many, monkeypatch):
+    sorted_at = []
+    monkeypatch.setattr(solver, "MANY", many)
+    monkeypatch.setattr(solver, "sort", lambda *state: sorted_at.append(order.sort(*state)) or sorted_at[-1])
+    body = square(lambda X: 0.05 * np.sin(2 * np.pi * (X[:, ::-1] + X)), condition)
+    solution = MaterialPoint("MUSL").solve(body, Discretisation(1 / 40, 0.3, 2))
+    assert solution.outcome.completed
+    assert len(sorted_at) == 2 + solution.work.steps // order.INTERVAL
+
+
 @pytest.mark.parametrize("schedule", ["USF", "MUSL"])
 def test_the_number_of_threads_does_not_change_a_digit(schedule, monkeypatch):
-    square = Problem(
-        "square",
-        (0.0, 0.0),
-        (1.0, 1.0),
-        NeoHookean(1.0, 1.0),
-        dict.fromkeys(("x-", "x+", "y-", "y+"), FIXED),
-        0.5,
-        {"velocity": Swirl()},
-    )
+    body = square(Swirl())
     level, variant = Discretisation(1 / 40, 0.3, 2), MaterialPoint(schedule)
     assert level.ppc**2 * 40**2 >= order.LARGE, "enough particles for strips"
     monkeypatch.setattr(solver, "MANY", np.inf)
-    serial = variant.solve(square, level)
+    serial = variant.solve(body, level)
     assert serial.outcome.completed
     assert np.abs(serial.fields["displacement"]).max() > level.h, "particles cross cells"
     monkeypatch.setattr(solver, "MANY", 0)
     all_threads = numba.config.NUMBA_NUM_THREADS
     try:
         numba.set_num_threads(1)
-        one = variant.solve(square, level)
+        one = variant.solve(body, level)
         numba.set_num_threads(all_threads)
-        several = variant.solve(square, level)
+        several = variant.solve(body, level)
     finally:
         numba.set_num_threads(all_threads)
     for name, values in one.arrays().items():
