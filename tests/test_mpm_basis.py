@@ -12,8 +12,7 @@ from hypothesis.extra.numpy import arrays
 from mpmverify.problem import Constant, Discretisation, LinearElastic, Periodic, Problem, Traction
 from mpmverify.solvers.mpm import MaterialPoint, basis, stencil, transfer
 from mpmverify.solvers.mpm.basis import BASES, spline_axis
-from mpmverify.solvers.mpm.faces import integrals
-from mpmverify.solvers.mpm.solver import node_positions
+from mpmverify.solvers.mpm.faces import integrals, node_positions
 
 along, affine_along = callable_from_python(basis.along), callable_from_python(basis.affine_along)
 degrees = st.sampled_from([1, 2, 3])

@@ -10,9 +10,9 @@ from mpmverify.problem import Constant, Discretisation, LinearElastic, NeoHookea
 from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, fmpm, passes, transfer, xpic
 from mpmverify.solvers.mpm import stencil as stencils
 from mpmverify.solvers.mpm.basis import BASES
+from mpmverify.solvers.mpm.faces import node_positions
 from mpmverify.solvers.mpm.passes import PASSED
 from mpmverify.solvers.mpm.passes import TPIC as TPIC_KIND
-from mpmverify.solvers.mpm.solver import node_positions
 from mpmverify.solvers.mpm.state import Nodes
 
 particles_to_grid, grid_to_particles = map(callable_from_python, (passes.particles_to_grid, passes.grid_to_particles))

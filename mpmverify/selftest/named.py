@@ -6,8 +6,9 @@ In one dimension an engineering shear strain taken for a tensorial one shows as 
 from mpmverify.selftest.faults import Edit, Fault
 
 MPM, TG, FEM = "mpm", "taylor_galerkin", "fem"
-BASIS, FACES, GRID, LAW, LAYOUT, LOOP, PASSES, SOLVER, TENSORS = (
-    f"mpm/{name}.py" for name in ("basis", "faces", "grid", "constitution", "layout", "loop", "passes", "solver", "tensors")
+BASIS, FACES, GRID, HISTORIES, LAW, LAYOUT, LOOP, PASSES, SOLVER, TENSORS = (
+    f"mpm/{name}.py"
+    for name in ("basis", "faces", "grid", "histories", "constitution", "layout", "loop", "passes", "solver", "tensors")
 )
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 FEM_LOOP, FEM_SOLVER = "fem/kernel.py", "fem/solver.py"
@@ -188,7 +189,7 @@ MATERIAL_POINT = (
     _fault(MPM, "nodes of small mass frozen", (LOOP, "MASSLESS = 1e-12", "MASSLESS = 1.2")),
     _fault(MPM, "whole kick for the first half", (GRID, "else (0.0, 0.5 * dt)", "else (0.0, dt)")),
     _fault(MPM, "velocity recorded half a step early", (GRID, "return (0.5 * dt, dt) if", "return (0.0, dt) if")),
-    _fault(MPM, "momentum that PIC loses at a held end not counted", (LOOP, " + (1 - scheme.flip) * added[c]", "")),
+    _fault(MPM, "momentum that PIC loses at a held end not counted", (HISTORIES, " + (1 - scheme.flip) * added[c]", "")),
 )
 
 TAYLOR_GALERKIN = (

@@ -1,8 +1,8 @@
-"""Boundary conditions of a problem as tables over the nodes of the faces and the time levels of the leapfrog."""
+"""Boundary conditions as tables over the nodes of the faces and the time levels of the leapfrog, and the body force as one."""
 
 import numpy as np
 
-from mpmverify.problem import Array, Fixed, Periodic, Problem, Traction, Velocity
+from mpmverify.problem import Array, BodyForce, Fixed, Periodic, Problem, Traction, Velocity
 
 from .basis import Axis
 from .state import Faces, Integers
@@ -12,6 +12,12 @@ def node_numbers(axes: tuple[Axis, ...]) -> Integers:
     """Number of every node, an array with x last and fastest."""
     counts = [len(axis.nodes) for axis in reversed(axes)]
     return np.arange(np.prod(counts), dtype=np.int64).reshape(counts)
+
+
+def node_positions(axes: tuple[Axis, ...]) -> Array:
+    """Material coordinates of the nodes (n, d) [m], x fastest."""
+    mesh = np.meshgrid(*(axis.nodes for axis in reversed(axes)), indexing="ij")
+    return np.stack([coordinate.ravel() for coordinate in reversed(mesh)], axis=1)
 
 
 def ghosts(axes: tuple[Axis, ...]) -> Integers:
@@ -92,3 +98,10 @@ def _areas(axes: tuple[Axis, ...], h: float, normal: int) -> Array:
             along = integrals(axis, h)[: axis.cells if axis.periodic else None]
             total = np.multiply.outer(total, along)
     return total
+
+
+def tabulate_body_force(body_force: BodyForce | None, points: Array, times: Array) -> Array:
+    """Body force at material points (K, d) [m] and times (B,) [s], (B, K, d) [m/s^2]; empty when there is none."""
+    if body_force is None:
+        return np.zeros((0, 0, 0))
+    return np.ascontiguousarray(body_force(points, times), dtype=float)

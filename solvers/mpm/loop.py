@@ -1,6 +1,5 @@
 """The compiled time loop of the explicit material point method."""
 
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -9,18 +8,15 @@ from numba import njit, prange
 from mpmverify.problem import Array
 
 from .basis import Axis
-from .compilation import SOURCES, WITHOUT_ENTRY, compiled, jit
+from .compilation import SOURCES, WITHOUT_ENTRY, compiled
 from .constitution import Constants
 from .grid import accelerate, add_term, begin_series, clear, external_force_and_power, kick_nodes, leapfrog, nodal_velocity
+from .histories import COMPLETED, INVERTED, LEFT_GRID, TURNED, UNSORTED, heat_of, record_histories
 from .order import INTERVAL, Strips
 from .passes import (
     FAILED,
-    HEAT,
-    KINETIC,
-    MOMENTUM,
     MUSL,
     PASSED,
-    STRAIN,
     STRAYED,
     USF,
     USL,
@@ -35,12 +31,7 @@ from .state import Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
-COMPLETED, UNSTABLE, NON_FINITE, LEFT_GRID, INVERTED, UNSORTED = range(6)
-POWER, WORK, GIVEN, TURNED, IMPULSE = range(5)
-"""Of what is carried from step to step, TURNED the energy that became heat; the impulse takes one place for each direction."""
 TO_GRID, TO_PARTICLES, STRAIN_ALONE, SMOOTH = range(4)
-GROWTH = 100.0
-"""A run is unstable when its kinetic energy exceeds all the energy that it was ever given by this factor."""
 MASSLESS = 1e-12
 """Nodes with less than this part of the largest particle's mass carry no velocity: f/m would overflow."""
 
@@ -53,62 +44,6 @@ def joined_axes(like, x: Axis, y: Axis, z: Axis):
     if len(like) == 2:
         return (x, y)
     return (x, y, z)
-
-
-@jit
-def record_histories(
-    scheme: Scheme,
-    grid: Grid,
-    nodes: Nodes,
-    strips: Strips,
-    histories: Histories,
-    running: Array,
-    added: Array,
-    force: Array,
-    power: float,
-    n: int,
-    dt: float,
-) -> int:
-    """Sums at t^n, where v^n = v^{n-1/2} + dt/2 sum_I N_I a_I; COMPLETED, UNSTABLE or NON_FINITE.
-
-    Mass sum_I m_I; momentum sum_p m v; impulse of applied forces, reactions and, for PIC, of the momentum `added` at held nodes;
-    kinetic energy sum_p m v^2/2; strain energy; work as the trapezoid of the power sum_I f_I^ext v_I; angular momentum
-    sum_p m x cross v with that of the affine parts; the energy that turned into heat until t^n.
-    """
-    kick, step = leapfrog(n, dt)
-    work = kick * (running[POWER] + power)
-    kinetic, strain = 0.0, 0.0
-    for i in range(nodes.inertia.shape[0]):
-        histories.mass[n] += nodes.inertia[i, 0]
-    for s in range(strips.sums.shape[0]):
-        kinetic += strips.sums[s, KINETIC]
-        strain += strips.sums[s, STRAIN]
-        for c in range(len(grid.lower)):
-            histories.momentum[n, c] += strips.sums[s, MOMENTUM + c]
-        for c in range(histories.angular_momentum.shape[1]):
-            histories.angular_momentum[n, c] += strips.sums[s, MOMENTUM + len(grid.lower) + c]
-    for c in range(len(grid.lower)):
-        histories.impulse[n, c] = running[IMPULSE + c] + kick * force[c]
-        running[IMPULSE + c] += step * force[c] + (1 - scheme.flip) * added[c]
-    histories.kinetic_energy[n] = kinetic
-    histories.strain_energy[n] = strain
-    histories.external_work[n] = running[WORK] + work
-    histories.dissipated_energy[n] = running[TURNED]
-    running[POWER] = power
-    running[WORK] += work
-    running[GIVEN] += abs(work) if n > 0 else kinetic + strain
-    if not isfinite(kinetic + strain + running[WORK]):
-        return NON_FINITE
-    return COMPLETED if kinetic <= GROWTH * running[GIVEN] else UNSTABLE
-
-
-@jit
-def heat_of(strips: Strips) -> float:
-    """Energy that a pass has turned into heat."""
-    total = 0.0
-    for s in range(strips.sums.shape[0]):
-        total += strips.sums[s, HEAT]
-    return total
 
 
 def sweep(

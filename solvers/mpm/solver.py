@@ -12,7 +12,6 @@ from mpmverify.errors import UsageError
 from mpmverify.material import PlaneStress
 from mpmverify.problem import (
     Array,
-    BodyForce,
     Discretisation,
     Fixed,
     LinearElastic,
@@ -26,12 +25,13 @@ from mpmverify.problem import (
 from mpmverify.solution import Outcome, Solution, Status, Work
 
 from . import loop, passes
-from .basis import BASES, SPLINES, Axis, basis_axis
+from .basis import BASES, SPLINES, basis_axis
 from .constitution import LAWS, constitution
-from .faces import ghosts, tabulate_faces
+from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
+from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSORTED, UNSTABLE, by_component, no_histories
 from .layout import REGULAR, Layout, place_particles
 from .order import Strips, sort, strips
-from .state import Grid, Histories, Nodes, Outputs, Particles, Scheme, by_component
+from .state import Grid, Nodes, Outputs, Particles, Scheme
 from .transfers import FLIP, Transfer
 
 SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
@@ -39,11 +39,11 @@ FORMULATIONS = {"updated": "ul", "total": "tl"}
 BODY_FORCES = ("particles", "nodes")
 
 STATUSES = {
-    loop.COMPLETED: Status.COMPLETED,
-    loop.UNSTABLE: Status.UNSTABLE,
-    loop.NON_FINITE: Status.NON_FINITE,
-    loop.LEFT_GRID: Status.LEFT_GRID,
-    loop.INVERTED: Status.NON_FINITE,
+    COMPLETED: Status.COMPLETED,
+    UNSTABLE: Status.UNSTABLE,
+    NON_FINITE: Status.NON_FINITE,
+    LEFT_GRID: Status.LEFT_GRID,
+    INVERTED: Status.NON_FINITE,
 }
 BLOCK = 4_000_000
 """Most body-force values held at once: 32 MB."""
@@ -183,10 +183,7 @@ class MaterialPoint:
             np.zeros((len(step), *particles.stress.shape)),
             np.zeros((len(step), count)),
         )
-        histories = Histories(
-            *(np.zeros((steps + 1, n)) for n in (dimension, dimension, {1: 0, 2: 1, 3: 3}[dimension])),
-            *(np.zeros(steps + 1) for _ in range(5)),
-        )
+        histories = no_histories(steps, dimension)
         top_speed = np.abs(state[4].velocity).max()
         running = np.concatenate([[0.0, 0.0, 0.5 * particles.mass.sum() * top_speed**2, 0.0], np.zeros(dimension)])
         record = (outputs, histories, running, dt)
@@ -198,23 +195,23 @@ class MaterialPoint:
         started = time.perf_counter()
         points = node_positions(grid.axes) if self.body_force_at == "nodes" else reference
         block = max(1, BLOCK // points.size) if problem.body_force else steps + 1
-        code, done, kept = loop.COMPLETED if on_grid else loop.LEFT_GRID, 0, 0
-        while code == loop.COMPLETED and done <= steps:
+        code, done, kept = COMPLETED if on_grid else LEFT_GRID, 0, 0
+        while code == COMPLETED and done <= steps:
             end = min(done + block, steps + 1)
-            body = _tabulate(problem.body_force, points, times[done:end])
-            begin, code = done, loop.UNSORTED
-            while code == loop.UNSORTED:
+            body = tabulate_body_force(problem.body_force, points, times[done:end])
+            begin, code = done, UNSORTED
+            while code == UNSORTED:
                 if divided and not sort(*state[:3], state[5]):
-                    code = loop.LEFT_GRID
+                    code = LEFT_GRID
                     break
                 code, done, kept = march(*state, *record, body[done - begin :], done, end, kept)
         seconds = time.perf_counter() - started
 
-        causes = {loop.INVERTED: "; a particle's deformation gradient reached zero"}
+        causes = {INVERTED: "; a particle's deformation gradient reached zero"}
         if self.basis == "cpdi":
-            causes[loop.LEFT_GRID] = "; a domain reaches further than a cell from its particle, or a particle left the grid"
+            causes[LEFT_GRID] = "; a domain reaches further than a cell from its particle, or a particle left the grid"
         cause = causes.get(code, "")
-        detail = "" if code == loop.COMPLETED else f"at step {done} of {steps}{cause}"
+        detail = "" if code == COMPLETED else f"at step {done} of {steps}{cause}"
         taken = min(done, steps)
         return Solution(
             time=times[step[:kept]],
@@ -299,16 +296,3 @@ class MaterialPoint:
             problem.material.density * volume,
             volume.copy(),
         )
-
-
-def node_positions(axes: tuple[Axis, ...]) -> Array:
-    """Material coordinates of the nodes (n, d) [m], x fastest."""
-    mesh = np.meshgrid(*(axis.nodes for axis in reversed(axes)), indexing="ij")
-    return np.stack([coordinate.ravel() for coordinate in reversed(mesh)], axis=1)
-
-
-def _tabulate(body_force: BodyForce | None, points: Array, times: Array) -> Array:
-    """Body force at material points (K, d) [m] and times (B,) [s], (B, K, d) [m/s^2]; empty when there is none."""
-    if body_force is None:
-        return np.zeros((0, 0, 0))
-    return np.ascontiguousarray(body_force(points, times), dtype=float)

@@ -122,14 +122,3 @@ class Histories(NamedTuple):
     strain_energy: Array
     external_work: Array
     dissipated_energy: Array
-
-
-def by_component(histories: Histories, done: int) -> dict[str, Array]:
-    """Histories by the names of `Solution`: a vector has one for each component where there are several."""
-    found: dict[str, Array] = {}
-    for name, values in histories._asdict().items():
-        if values.ndim == 1 or values.shape[1] == 1:
-            found[name] = values[:done].reshape(done)
-        elif values.shape[1]:
-            found |= {f"{name}_{axis}": values[:done, k].copy() for k, axis in enumerate("xyz"[: values.shape[1]])}
-    return found
