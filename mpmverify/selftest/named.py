@@ -157,8 +157,8 @@ MATERIAL_POINT = (
         (SOLVER, "block = max(1, BLOCK // points.size) if problem.body_force else steps + 1", "block = 1"),
         (
             SOLVER,
-            "_tabulate(problem.body_force, points, times",
-            "_tabulate(problem.body_force, particles.position if points is reference else points, times",
+            "tabulate_body_force(problem.body_force, points, times",
+            "tabulate_body_force(problem.body_force, particles.position if points is reference else points, times",
         ),
     ),
     _fault(MPM, "body force without the mass of the particle", (PASSES, "scale(m, b)", "b")),
