@@ -26,6 +26,7 @@ from mpmverify.criteria import (
     PhaseError,
     Published,
     Separated,
+    StabilityLimit,
     Stall,
     Unstable,
 )
@@ -49,6 +50,7 @@ LOSSLESS = AmplitudeDecay("u", 3, 0.2, "theory", "fem-p1-lumped-cd", 1.0)  # cen
 FRONT = FrontPosition("u", "tg-lumped", 0.1, "theory")
 SUMS = FieldSums(("mass", "momentum"), "theory")
 UNSTABLE, GREW = Unstable(0.4, "theory"), ("unstable; at step 3 of 9; the kinetic energy grew",)
+LIMIT = StabilityLimit("mpm-tl-linear-usl-flip", 0.01, "theory")
 SEPARATED = Separated("u", "L2", (("h", 1.8, 2.2), ("dt", 0.8, 1.2)), "theory")
 DESIGN_H, DESIGN_DT = (grid.ravel() for grid in np.meshgrid(H[:4], H[:4] / 2, indexing="ij"))
 METRICS = (
@@ -75,6 +77,12 @@ def series(error, h=H, *, reference=1.0, outcomes=None, quantity="u", metrics=No
     columns = {"dt": h / 2, "courant": one / 2, "ppc": one.astype(int)} | columns
     outcomes = ("completed",) * len(h) if outcomes is None else outcomes
     return Evidence(h, outcomes=outcomes, error={quantity: table}, reference={quantity: size}, metrics=values, **columns)
+
+
+def limits(ratio) -> dict[str, np.ndarray]:
+    """Measured limits of stability over the theoretical one, which is sqrt(1/2)."""
+    theory = np.full(len(H), math.sqrt(0.5))
+    return {"stability_limit": ratio * theory, "theoretical_stability_limit": theory}
 
 
 def over_design(error, **columns) -> Evidence:
@@ -196,6 +204,10 @@ EXAMPLES = [
         ERROR,
     ),
     (SUMS, measured(), ERROR),
+    (LIMIT, series(ONES, courant=4 * ONES, metrics=limits(1.005)), PASS),
+    (LIMIT, series(ONES, courant=4 * ONES, metrics=limits(1.02)), FAIL),
+    (LIMIT, series(ONES, courant=4 * ONES, metrics=limits(np.nan)), ERROR),
+    (LIMIT, series(ONES, courant=0.7 * ONES, metrics=limits(1.0)), ERROR),
     (UNSTABLE, series(ONES, outcomes=5 * GREW), PASS),
     (UNSTABLE, series(ONES), FAIL),
     (UNSTABLE, series(ONES, outcomes=(*4 * GREW, "completed")), FAIL),

@@ -350,6 +350,7 @@ def test_names_are_made_of_the_choices_and_unique():
         {"body_force_at": "nodes"},
         {"basis": "cpdi", "transfer": APIC},
         {"basis": "ugimp", "layout": GAUSS},
+        {"basis": "cpgimp", "schedule": "USF"},
     ],
     ids=str,
 )

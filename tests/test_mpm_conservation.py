@@ -34,7 +34,7 @@ VARIANTS = [
         ("cpgimp", "MUSL", FLIP),
         ("cpgimp", "USL", fmpm(2)),
         ("cpdi", "MUSL", FLIP),
-        ("cpdi", "USF", xpic(2)),
+        ("cpdi", "USL", xpic(2)),
     )
 ]
 MATERIALS = (LinearElastic(1.0, 1.0, 0.3), NeoHookean(1.0, 1.0, 0.2))

@@ -75,7 +75,8 @@ class MaterialPoint:
     ------
     UsageError
         If a choice does not exist, the body force is asked for at the nodes of an updated Lagrangian grid, an affine transfer
-        for CPDI, or Gauss points for particles that have a domain.
+        for CPDI, Gauss points for particles that have a domain, or
+        USF for domains that stretch.
 
     Notes
     -----
@@ -119,6 +120,8 @@ class MaterialPoint:
                 raise UsageError(f"the {what} of a material point solver is one of mpmverify.solvers.mpm, not {chosen!r}")
         if self.transfer.affine and self.basis == "cpdi":
             raise UsageError("an affine transfer needs functions that are products: choose another basis than CPDI")
+        if self.schedule == "USF" and BASES[self.basis].stretched and self.formulation == "updated":
+            raise UsageError("USF would stretch the domains between the two transfers of a step: choose USL or MUSL")
         if self.layout.gauss and BASES[self.basis].kind != SPLINES:
             raise UsageError("the domains of GIMP and CPDI are equal parts of a cell: choose another layout than Gauss points")
         if self.body_force_at == "nodes" and self.formulation != "total":
@@ -210,8 +213,7 @@ class MaterialPoint:
         causes = {INVERTED: "; a particle's deformation gradient reached zero"}
         if self.basis == "cpdi":
             causes[LEFT_GRID] = "; a domain reaches further than a cell from its particle, or a particle left the grid"
-        cause = causes.get(code, "")
-        detail = "" if code == COMPLETED else f"at step {done} of {steps}{cause}"
+        detail = "" if code == COMPLETED else f"at step {done} of {steps}{causes.get(code, '')}"
         taken = min(done, steps)
         return Solution(
             time=times[step[:kept]],
