@@ -71,8 +71,8 @@ class Bisection:
 
 
 def grows(solution: Solution) -> bool:
-    """Whether a run is unstable, by its own word or by its energy."""
+    """Whether a run is unstable, by its own word or by its energy, which NaN never keeps."""
     if solution.outcome.status in UNSTABLE:
         return True
     parts = [solution.histories[name] for name in ("kinetic_energy", "strain_energy") if name in solution.histories]
-    return bool(parts) and float(sum(part[-1] for part in parts)) > GROWTH * float(sum(part[0] for part in parts))
+    return bool(parts) and not sum(part[-1] for part in parts) <= GROWTH * sum(part[0] for part in parts)
