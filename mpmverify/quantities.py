@@ -29,11 +29,10 @@ def components(quantity: str, dimension: int) -> tuple[str, ...]:
     ----------
     quantity : str
         Vectors are those of `VECTORS`; "stress" is a symmetric tensor, in plane strain without its
-        out-of-plane component; "displacement_gradient" is the tensor du_i/dX_j, row by row; all else is a scalar.
+        out-of-plane component; "displacement_gradient" is the tensor du_i/dX_j, row by row; all else is a scalar,
+        angular momentum in the plane too.
     dimension : {1, 2, 3}
         Of the body.
-
-        Angular momentum is a scalar in the plane.
 
     Returns
     -------
