@@ -13,9 +13,6 @@ from mpmverify.problem import Array
 from mpmverify.quantities import UNITS, components, history_units, unit
 from mpmverify.solution import Outcome, Solution, Status, Work
 
-COMPRESSED = 2**15
-"""Smaller arrays are written as they are: compression costs more time than it saves space."""
-
 
 def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
     """Write a solution; see `Solution` for what each variable holds. A foreign file at `path` is never overwritten.
@@ -62,7 +59,7 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
                 file.createDimension(name, size)
 
             def put(name: str, dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> None:
-                variable = file.createVariable(name, "f8", dimensions, zlib=values.size > COMPRESSED, complevel=1)
+                variable = file.createVariable(name, "f8", dimensions)
                 variable.setncatts({"units": units, "long_name": long_name})
                 variable[...] = values
 
