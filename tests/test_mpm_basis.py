@@ -4,17 +4,17 @@ import itertools
 
 import numpy as np
 import pytest
-from from_python import callable_from_python
+from from_python import along, functions_of, moment_along, supported
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from mpmverify.problem import Constant, Discretisation, LinearElastic, Periodic, Problem, Traction
-from mpmverify.solvers.mpm import MaterialPoint, basis, stencil, transfer
-from mpmverify.solvers.mpm.basis import BASES, spline_axis
-from mpmverify.solvers.mpm.faces import integrals, node_positions
+from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.solvers.mpm.basis import BASES, SPLINES, Basis, spline_axis
+from mpmverify.solvers.mpm.faces import ghosts, integrals, node_positions
+from mpmverify.solvers.mpm.state import grid_of
 
-along, affine_along = callable_from_python(basis.along), callable_from_python(basis.affine_along)
 degrees = st.sampled_from([1, 2, 3])
 axes = st.tuples(st.integers(1, 9), degrees, st.booleans())
 local = st.floats(0, 1, exclude_max=True)
@@ -23,13 +23,14 @@ LOWER, H = -1.0, 0.25
 
 def axis(choices):
     cells, degree, periodic = choices
-    return spline_axis(LOWER, H, cells, degree, periodic), (0.0,) * (degree + 1)
+    found = spline_axis(LOWER, H, cells, degree, periodic)
+    return found, grid_of((found,), H, Basis(SPLINES, degree, degree + 1), ghosts((found,)), 0.25, False)
 
 
 def functions(choices, place):
     """All functions of an axis, and their derivatives, at a place from 0 to 1 along it."""
-    found, width = axis(choices)
-    first, N, dN = along(found, place * found.cells, 1 / H, width)
+    found, grid = axis(choices)
+    first, N, dN = along(grid, place * found.cells)
     values, gradients = np.zeros(len(found.nodes)), np.zeros(len(found.nodes))
     values[first : first + len(N)], gradients[first : first + len(N)] = N, dN
     return values, gradients
@@ -101,30 +102,27 @@ def test_integrals_are_those_of_a_fine_quadrature(choices):
     assert integrals(axis(choices)[0], H)[own] == pytest.approx(expected[own], abs=1e-14)
 
 
-@given(axes, st.floats(1e-3, 1 - 1e-3))
-def test_affine_functions_have_no_sum_and_the_first_moment_one(choices, xi):
-    found, width = axis(choices)
+@given(axes, st.floats(0, 1, exclude_max=True))
+def test_moments_have_no_sum_and_the_moment_of_inertia(choices, xi):
+    found, grid = axis(choices)
     s = found.cells // 2 + xi
-    first, N, _ = along(found, s, 1 / H, width)
-    e, D = affine_along(found, first, s, 1 / H, N)
+    first, N, _ = along(grid, s)
+    moment, D = moment_along(grid, s)
     offset = found.nodes[first : first + len(N)] - (LOWER + H * s)
-    assert sum(e) == pytest.approx(0, abs=1e-11 / H)
-    assert np.dot(e, offset) == pytest.approx(1, rel=1e-12)
-    assert pytest.approx(np.dot(N, offset**2), rel=1e-12) == D
+    assert moment.sum() == pytest.approx(0, abs=1e-14)
+    assert moment @ offset == pytest.approx(D, rel=1e-12)
+    assert N @ offset**2 == pytest.approx(D, rel=1e-12)
 
 
 @pytest.mark.parametrize(("degree", "inertia"), [(2, 1 / 4), (3, 1 / 3)])
 def test_inside_the_moment_of_inertia_is_that_of_the_spline(degree, inertia):
-    found, width = axis((9, degree, True))
+    _, grid = axis((9, degree, True))
     for s in (4.0, 4.3, 4.99):
-        first, N, _ = along(found, s, 1 / H, width)
-        assert affine_along(found, first, s, 1 / H, N)[1] == pytest.approx(inertia * H**2)
+        assert moment_along(grid, s)[1] == pytest.approx(inertia * H**2)
 
 
 # All bases, in one, two and three dimensions, through what the passes call.
 
-support, supported = callable_from_python(stencil.support), callable_from_python(stencil.supported)
-spread, spread_tensor = callable_from_python(transfer.spread), callable_from_python(transfer.spread_tensor)
 CELLS = 4
 
 
@@ -139,18 +137,8 @@ def particle(basis, dimension, place, F, face=None):
     X = LOWER + CELLS * H * np.array([place], dtype=float)
     particles = variant._particles(problem, X, np.ones(1))
     particles.F[0] = np.ravel(F)
-    grid = variant._grid(problem, Discretisation(H, 0.3, 2))
-    return variant._scheme(problem), grid, particles, node_positions(grid.axes)
-
-
-def values_and_gradients(scheme, grid, particles):
-    """N_I (n,) and dN_I/dx (n, d) of the particle."""
-    n, dimension = int(np.prod([len(axis.nodes) for axis in grid.axes])), len(grid.axes)
-    at = support(grid.kind, scheme, grid, particles, 0)
-    N, dN = np.zeros((n, 1)), np.zeros((n, dimension))
-    spread(grid, N, 0, at, (1.0,))
-    spread_tensor(grid, dN, 0, at, tuple(tuple(row) for row in np.eye(dimension).tolist()))
-    return N[:, 0], dN
+    axes, at = variant._axes(problem, Discretisation(H, 0.3, 2)), Discretisation(H, 0.3, 2)
+    return variant._scheme(problem), variant._grid(axes, at), particles, node_positions(axes)
 
 
 all_bases, all_dimensions = pytest.mark.parametrize("basis", BASES), pytest.mark.parametrize("dimension", [1, 2, 3])
@@ -173,7 +161,7 @@ def test_every_basis_is_complete_to_first_order_and_positive(basis, dimension, d
     place, F = data.draw(domains(dimension))
     scheme, grid, particles, nodes = particle(basis, dimension, place, F)
     assert supported(scheme, grid, particles, 0)
-    N, dN = values_and_gradients(scheme, grid, particles)
+    N, dN = functions_of(scheme, grid, particles, nodes, 0)
     assert N.sum() == pytest.approx(1, abs=1e-13)
     assert N.min() >= -1e-14
     assert pytest.approx(particles.position[0], abs=1e-13) == nodes.T @ N
@@ -191,14 +179,14 @@ def test_gradients_are_those_of_the_functions(basis, dimension, data):
     step = 1e-6
     edges = np.outer([0.0, 0.25, 0.5, 0.75], np.ones(dimension)) + (np.array(place) * CELLS)
     assume(np.abs((edges * 4) - np.round(edges * 4)).min() > 0.01)
-    scheme, grid, particles, _ = particle(basis, dimension, place, np.eye(dimension))
-    _, dN = values_and_gradients(scheme, grid, particles)
+    scheme, grid, particles, nodes = particle(basis, dimension, place, np.eye(dimension))
+    _, dN = functions_of(scheme, grid, particles, nodes, 0)
     for k in range(dimension):
         ends = []
         for side in (-step, step):
             particles.position[0] = LOWER + CELLS * H * np.array(place)
             particles.position[0, k] += side
-            ends.append(values_and_gradients(scheme, grid, particles)[0])
+            ends.append(functions_of(scheme, grid, particles, nodes, 0)[0])
         assert (ends[1] - ends[0]) / (2 * step) == pytest.approx(dN[:, k], abs=1e-5 / H)
 
 
@@ -208,7 +196,7 @@ def test_the_averaged_hat_is_the_integral_of_the_hat_over_the_domain(place, stre
     points, weights = np.polynomial.legendre.leggauss(40)
     for name, half in (("ugimp", 0.25 * H), ("cpgimp", 0.25 * H * stretch)):
         scheme, grid, particles, nodes = particle(name, 1, [place], [[stretch]])
-        found, gradient = values_and_gradients(scheme, grid, particles)
+        found, gradient = functions_of(scheme, grid, particles, nodes, 0)
         x, expected = particles.position[0, 0], np.zeros(len(nodes))
         cuts = np.unique(np.clip(np.concatenate([nodes[:, 0], [x - half, x + half]]), x - half, x + half))
         for a, b in itertools.pairwise(cuts):
@@ -216,18 +204,18 @@ def test_the_averaged_hat_is_the_integral_of_the_hat_over_the_domain(place, stre
             hats = np.clip(1 - np.abs(at[:, None] - nodes[:, 0]) / H, 0, None)
             expected += (b - a) / 2 * weights @ hats / (2 * half)
         assert found == pytest.approx(expected, abs=1e-13)
-    assert values_and_gradients(*particle("cpdi", 1, [place], [[stretch]])[:3])[1] == pytest.approx(gradient[:-1], abs=1e-10)
+    assert functions_of(*particle("cpdi", 1, [place], [[stretch]]), 0)[1] == pytest.approx(gradient[:-1], abs=1e-10)
 
 
 @pytest.mark.parametrize("basis", ["ugimp", "cpgimp", "cpdi"])
 @pytest.mark.parametrize("place", [0.01, 0.9, 0.99])
 def test_a_domain_reaches_over_the_joined_ends_of_an_axis(basis, place):
     """As it does over those of cells inside, half a box away."""
-    scheme, grid, particles, _ = particle(basis, 1, [place], np.eye(1), Periodic())
-    N, dN = values_and_gradients(scheme, grid, particles)
+    scheme, grid, particles, nodes = particle(basis, 1, [place], np.eye(1), Periodic())
+    N, dN = functions_of(scheme, grid, particles, nodes, 0)
     np.add.at(N, grid.ghosts[:, 1], N[grid.ghosts[:, 0]])
     np.add.at(dN, grid.ghosts[:, 1], dN[grid.ghosts[:, 0]])
-    inner = values_and_gradients(*particle(basis, 1, [(place + 0.5) % 1.0], np.eye(1))[:3])
+    inner = functions_of(*particle(basis, 1, [(place + 0.5) % 1.0], np.eye(1)), 0)
     shifted = np.roll(np.arange(CELLS), CELLS // 2)
     assert N[:CELLS][shifted] == pytest.approx(inner[0][1 : 1 + CELLS], abs=1e-13)
     assert dN[:CELLS][shifted] == pytest.approx(inner[1][1 : 1 + CELLS], abs=1e-11)

@@ -109,8 +109,8 @@ MPM_LAW, MPM_PASSES, MPM_GRID, MPM_FACES = "mpm/constitution.py", "mpm/passes.py
 MPM_SOLVER = "mpm/solver.py"
 MPM_HOOKE = "return shifted(lame * trace(eps), 2 * shear, eps)"
 MPM_NEO_HOOKEAN_STRESS = "return shifted((lame * log(J) - shear) / J, shear / J, b)"
-MPM_STRAINED = "strained, heat = strain(scheme, particles, p, zero, scale(dt, gradient), dt)"
-MPM_NO_DT = "strained, heat = strain(scheme, particles, p, zero, gradient, dt)"
+MPM_STRAINED = "F, sigma, heat, strained = strain(scheme, sigma, F, V0, scale(dt, gradient), dt)"
+MPM_NO_DT = "F, sigma, heat, strained = strain(scheme, sigma, F, V0, gradient, dt)"
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 TG_MODULUS = "-(material.lame_lambda + 2 * material.shear_modulus)"
 TG_FLUX = "                    R[i, k] -= dt * contour\n"
@@ -176,7 +176,7 @@ FAULTS = (
         "dt-dropped-from-strain-increment",
         (
             Edit(MPM_PASSES, f"USL:\n            {MPM_STRAINED}", f"USL:\n            {MPM_NO_DT}"),
-            Edit(MPM_PASSES, f"limits))\n        {MPM_STRAINED}", f"limits))\n        {MPM_NO_DT}"),
+            Edit(MPM_PASSES, f"kept)\n        {MPM_STRAINED}", f"kept)\n        {MPM_NO_DT}"),
         ),
         (Kill(MPM_VIBRATION, ERROR, "order of displacement"), Kill(MPM_FINITE_STRAIN, ERROR, "order of stress")),
     ),
@@ -190,7 +190,7 @@ FAULTS = (
     ),
     Fault(
         "condition-on-momentum-dropped",
-        (Edit(MPM_GRID, "        velocity[i, c] = held\n", ""),),
+        (Edit(MPM_GRID, "        velocity[c, i] = held\n", ""),),
         (Kill(MPM_VIBRATION, FAIL, "order of displacement"), Kill(MPM_PULSE, FAIL, "order of velocity")),
     ),
     Fault(

@@ -15,19 +15,26 @@ FEM_LOOP, FEM_SOLVER = "fem/kernel.py", "fem/solver.py"
 
 PROJECTED = "spread(grid, nodes.inertia, 0, at, with_mass(m, v))"
 PROJECTED_AGAIN = "spread(grid, nodes.inertia, 1, at, scale(m, v))"
+MOMENTUM = "        " + PROJECTED_AGAIN
 MASS_ALONE = "spread(grid, nodes.inertia, 0, at, (m,))\n        "
-BY_GRADIENT, BY_OTHER = "(at[0], at[2], at[2], at[3]),", "(at[0], (at[1][0][::-1],), at[2], at[3]),"
+BY_GRADIENT, BY_OTHER = (
+    "(at[0], at[2], at[2], at[3]),",
+    "(at[0], (lanes((lane(at[1][0], 1), lane(at[1][0], 0))),), at[2], at[3]),",
+)
 LINEAR = "return shifted(lame * trace(eps), 2 * shear, eps)"
 NEO_HOOKEAN = "return shifted((lame * log(J) - shear) / J, shear / J, b)"
 V_SIGMA, V_PIOLA = "constant(-V0 * det(F), like)", "constant(-V0, like)"
-STRAINED = "strained, heat = strain(scheme, particles, p, zero, scale(dt, gradient), dt)"
-SCALED = "store(particles.stress, p, scale(particles.volume[p] * (1.0 if scheme.total else det(F)), sigma))"
+STRAINED = "F, sigma, heat, strained = strain(scheme, sigma, F, V0, scale(dt, gradient), dt)"
+SCALED = "store(particles.state, (p, column.stress), scale({volume} * (1.0 if scheme.total else det(F)), sigma))"
 KICKED = "axpy(step, a, before), scale("
-MOVED = "continue\n        passed = min(passed, move(grid, particles, p, scale(dt, moved), limits))"
-HELD = "        nodes.acceleration[i, c] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / step\n"
-KICK = "            nodes.velocity[i, c] += step * nodes.acceleration[i, c]\n"
-KEPT = "            nodes.projected[i, c] = nodes.velocity[i, c]\n"
-REPROJECT = "            nodal_velocity(grid, nodes, faces, n + 1, massless, nodes.projected, added)\n"
+MOVED = "continue\n        x, kept = move(grid, x, scale(dt, moved), limits)"
+HELD = "        nodes.acceleration[c, i] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / step\n"
+KICK = "            v[i] += step * a[i]\n"
+KEPT = "            nodes.projected[c, begin + i] = v[i]\n"
+REPROJECT = "            sweep_nodes(VELOCITY, nodes, strips, nodes.projected, massless, body, 0, 0.0, 0.0, added)\n"
+REPROJECTED = "            hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)\n"
+CLEARED = "            values = sums[c, begin:end]\n"
+KEEP_MASS = "            if c == 0 and sums.shape[0] > nodes.velocity.shape[0]:\n                continue\n"
 CONSTANTS = "float(material.lame_lambda), float(material.shear_modulus)"
 SWAPPED = "float(material.shear_modulus), float(material.lame_lambda)"
 CONTOUR = "                    R[i, k] -= dt * contour\n"
@@ -47,13 +54,14 @@ HISTORIC = (
         MPM,
         "momentum weighted by the gradient of the shape function",
         (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at,", BY_GRADIENT)),
-        (PASSES, "            " + PROJECTED_AGAIN, "            " + PROJECTED_AGAIN.replace("at,", BY_GRADIENT)),
+        (PASSES, MOMENTUM, MOMENTUM.replace("at,", BY_GRADIENT)),
     ),
     _fault(
         MPM,
         "momentum weighted by the shape function of the other node",
         (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at,", BY_OTHER)),
-        (PASSES, "            " + PROJECTED_AGAIN, "            " + PROJECTED_AGAIN.replace("at,", BY_OTHER)),
+        (PASSES, MOMENTUM, MOMENTUM.replace("at,", BY_OTHER)),
+        (PASSES, "from .lanes import row, store", "from .lanes import lane, lanes, row, store"),
     ),
     _fault(
         MPM,
@@ -65,16 +73,16 @@ HISTORIC = (
         ),
         (
             PASSES,
-            f"limits))\n        {STRAINED}",
-            f"limits))\n        {STRAINED}".replace("scale(dt, gradient)", "gradient"),
+            f"kept)\n        {STRAINED}",
+            f"kept)\n        {STRAINED}".replace("scale(dt, gradient)", "gradient"),
         ),
     ),
     _fault(MPM, "2 G on the engineering shear strain", (LAW, LINEAR, LINEAR.replace("2 * shear", "4 * shear"))),
     _fault(
         MPM,
         "particle stress scaled in place by m/rho",
-        (PASSES, "at, T)\n        if", f"at, T)\n            {SCALED}\n        if"),
-        (PASSES, "at, T)\n    sums", f"at, T)\n            {SCALED}\n    sums"),
+        (PASSES, "zero))\n        if", "zero))\n            " + SCALED.format(volume="V") + "\n        if"),
+        (PASSES, "zero))\n    return", "zero))\n            " + SCALED.format(volume="V0") + "\n    return"),
     ),
     _fault(MPM, "boundary condition on the momentum and not on the force", (GRID, HELD, "")),
     _fault(
@@ -112,7 +120,7 @@ MATERIAL_POINT = (
     _fault(
         MPM,
         "deformation gradient updated by a sum in the updated Lagrangian formulation",
-        (PASSES, "else deform(increment, before)", "else axpy(1.0, increment, before)"),
+        (PASSES, "else deform(increment, F)", "else axpy(1.0, increment, F)"),
     ),
     _fault(
         MPM,
@@ -129,7 +137,7 @@ MATERIAL_POINT = (
         MPM,
         "position moved by the particle's velocity",
         (PASSES, MOVED, MOVED.replace("moved", "v")),
-        (PASSES, "moved = gather(grid, nodes.velocity, at)", "moved = row(particles.velocity, p, zero)"),
+        (PASSES, "moved = gather(grid, nodes.velocity, at)", "moved = row(particles.state, (p, column.velocity), zero)"),
     ),
     _fault(
         MPM,
@@ -144,12 +152,12 @@ MATERIAL_POINT = (
         "strain increment from the velocities before the kick",
         (GRID, KICK, KEPT + KICK),
         (PASSES, "gradient = gather_tensor(grid, nodes.velocity", "gradient = gather_tensor(grid, nodes.projected"),
-        (LOOP, REPROJECT, ""),
+        (LOOP, REPROJECT + REPROJECTED, ""),
     ),
     _fault(
         MPM,
         "acceleration of the nearest node instead of the interpolated one",
-        (PASSES, KICKED, KICKED.replace(" a,", " row(nodes.acceleration, at[0], zero),")),
+        (PASSES, KICKED, KICKED.replace(" a,", " (nodes.acceleration[0, at[0]],),")),
     ),
     _fault(
         MPM,
@@ -165,7 +173,7 @@ MATERIAL_POINT = (
     _fault(MPM, "body force dropped", (PASSES, "scale(m, b)", "scale(0.0, b)")),
     _fault(MPM, "sign of the traction", (FACES, "force.append(sign * values)", "force.append(-sign * values)")),
     _fault(MPM, "traction one step late", (GRID, "faces.force[face, n]", "faces.force[face, max(n - 1, 0)]")),
-    _fault(MPM, "no condition on the momentum", (GRID, "        velocity[i, c] = held\n", "")),
+    _fault(MPM, "no condition on the momentum", (GRID, "        velocity[c, i] = held\n", "")),
     _fault(MPM, "essential conditions dropped", (FACES, "np.array(held, ", "np.array([], ")),
     _fault(
         MPM,
@@ -181,11 +189,10 @@ MATERIAL_POINT = (
     _fault(
         MPM,
         "gradient by the local coordinate",
-        (BASIS, "(1 - xi, xi), (-scale, scale)", "(1 - xi, xi), (-1.0, 1.0)"),
-        (BASIS, "(scale * d0, scale * d1, scale * d2)", "(d0, d1, d2)"),
-        (BASIS, "(scale * e0, scale * e1, scale * e2, scale * e3)", "(e0, e1, e2, e3)"),
+        (BASIS, "lanes((-grid.scale, grid.scale))", "lanes((-1.0, 1.0))"),
+        (BASIS, "return cell, N, grid.scale * dN", "return cell, N, dN"),
     ),
-    _fault(MPM, "nodal masses not reset", (GRID, "        nodes.inertia[i, 0] = 0.0\n", "")),
+    _fault(MPM, "nodal masses not reset", (GRID, CLEARED, CLEARED + KEEP_MASS)),
     _fault(MPM, "nodes of small mass frozen", (LOOP, "MASSLESS = 1e-12", "MASSLESS = 1.2")),
     _fault(MPM, "whole kick for the first half", (GRID, "else (0.0, 0.5 * dt)", "else (0.0, dt)")),
     _fault(MPM, "velocity recorded half a step early", (GRID, "return (0.5 * dt, dt) if", "return (0.0, dt) if")),

@@ -10,24 +10,24 @@ from scipy.interpolate import BSpline
 from mpmverify.problem import Array
 
 from .compilation import jit
+from .lanes import lanes, load, row, total
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
-SPLINES, GIMP, CPDI = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0)
-"""Kinds of basis; their lengths tell them apart where a function is compiled."""
+SPLINES, GIMP, CPDI, MLS = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
+"""Kinds of basis, MLS the splines with gradients of moving least squares; their lengths tell them apart where a function is compiled."""
 
 
 class Basis(NamedTuple):
     """A basis: its kind, the degree of the B-splines of the grid, and how many functions a particle meets along an axis.
 
-    Whether gradients are those of moving least squares, and whether the domain of a particle stretches with it (cpGIMP).
+    Whether the domain of a particle stretches with it.
     """
 
     kind: tuple[float, ...]
     degree: int
     width: int
-    least_squares: bool = False
     stretched: bool = False
 
 
@@ -35,8 +35,8 @@ BASES = {
     "linear": Basis(SPLINES, 1, 2),
     "quadratic": Basis(SPLINES, 2, 3),
     "cubic": Basis(SPLINES, 3, 4),
-    "mls-quadratic": Basis(SPLINES, 2, 3, least_squares=True),
-    "mls-cubic": Basis(SPLINES, 3, 4, least_squares=True),
+    "mls-quadratic": Basis(MLS, 2, 3),
+    "mls-cubic": Basis(MLS, 3, 4),
     "ugimp": Basis(GIMP, 1, 3),
     "cpgimp": Basis(GIMP, 1, 3, stretched=True),
     "cpdi": Basis(CPDI, 1, 2, stretched=True),
@@ -46,10 +46,14 @@ SHORTEST, LONGEST = 0.1, 0.5
 beyond half a cell it would meet a fourth function."""
 
 
+ONE = (0,)
+"""As long as one number is."""
+
+
 class Axis(NamedTuple):
     """Basis along one axis with C cells and functions of width W (as many live on a cell).
 
-    Lower end [m], number of cells, whether its ends are joined, piece of each cell (C,), polynomials (pieces, W, W) in the local
+    Lower end [m], number of cells, whether its ends are joined, piece of each cell (C,), polynomials (pieces, powers, lanes) in the local
     coordinate, lowest power first, and the nodes at which sum_I x_I N_I(x) = x [m]: C + W - 1, and `padding` more at each end for
     particles whose domain reaches beyond it.
     """
@@ -107,88 +111,64 @@ def domain_axis(lower: float, h: float, cells: int, width: int, periodic: bool =
 
 def basis_axis(basis: Basis, lower: float, h: float, cells: int, periodic: bool = False) -> Axis:
     """The axis of a basis; parameters as of `spline_axis`."""
-    if basis.kind == SPLINES:
+    if basis.kind in (SPLINES, MLS):
         return spline_axis(lower, h, cells, basis.degree, periodic)
     return domain_axis(lower, h, cells, basis.width, periodic)
 
 
 def _polynomials(knots: Array, degree: int) -> Array:
-    """Taylor coefficients (W, W) about the left end of the middle span."""
+    """Taylor coefficients (powers, lanes) about the left end of the middle span."""
     functions = BSpline(knots, np.eye(degree + 1), degree)
-    powers = [functions(0.0, nu=power) / math.factorial(power) for power in range(degree + 1)]
-    return np.array(powers).T
+    powers = np.array([functions(0.0, nu=power) / math.factorial(power) for power in range(degree + 1)])
+    return np.pad(powers, ((0, 0), (0, degree == 2)))  # for the fourth lane
 
 
 @jit
-def quadratic(c, piece, k, xi):
-    """Value and derivative by xi of function k."""
-    return c[piece, k, 0] + xi * (c[piece, k, 1] + xi * c[piece, k, 2]), c[piece, k, 1] + 2 * xi * c[piece, k, 2]
-
-
-@jit
-def cubic(c, piece, k, xi):
-    """Value and derivative by xi of function k."""
-    value = c[piece, k, 0] + xi * (c[piece, k, 1] + xi * (c[piece, k, 2] + xi * c[piece, k, 3]))
-    return value, c[piece, k, 1] + xi * (2 * c[piece, k, 2] + 3 * xi * c[piece, k, 3])
-
-
-@jit
-def along(axis, s, scale, width):
-    """First function, N (W,) [1] and dN/dx (W,) [1/m] at s cells from the lower end; `scale` is 1/h, `width` any W numbers."""
-    cell = min(int(s), axis.cells - 1)
+def along(width, grid, k, s):
+    """First function, lanes of N [1] and dN/dx [1/m] at s cells from the lower end of axis k."""
+    cell = min(int(s), grid.cells[k] - 1)
     xi = s - cell
     if len(width) == 2:
-        return cell, (1 - xi, xi), (-scale, scale)
-    c, piece = axis.polynomials, axis.piece[cell]
-    if len(width) == 3:
-        (N0, d0), (N1, d1), (N2, d2) = quadratic(c, piece, 0, xi), quadratic(c, piece, 1, xi), quadratic(c, piece, 2, xi)
-        return cell, (N0, N1, N2), (scale * d0, scale * d1, scale * d2)
-    (M0, e0), (M1, e1), (M2, e2), (M3, e3) = (
-        cubic(c, piece, 0, xi),
-        cubic(c, piece, 1, xi),
-        cubic(c, piece, 2, xi),
-        cubic(c, piece, 3, xi),
-    )
-    return cell, (M0, M1, M2, M3), (scale * e0, scale * e1, scale * e2, scale * e3)
+        return cell, lanes((1 - xi, xi)), lanes((-grid.scale, grid.scale))
+    c, piece, power = grid.polynomials, row(grid.piece, (k, cell), ONE)[0], len(width) - 1
+    dN = load(c, (piece, power, 0), width)
+    N = load(c, (piece, power - 1, 0), width) + xi * dN
+    for j in range(power - 2, -1, -1):
+        dN = N + xi * dN
+        N = load(c, (piece, j, 0), width) + xi * N
+    return cell, N, grid.scale * dN
 
 
 @jit
-def hat_along(axis, s):
-    """First function and N (2,) [1] of the hats at s cells from the lower end, which may lie in the padding."""
-    cell = min(int(s + axis.padding), axis.cells + 2 * axis.padding - 1)
-    xi = s + axis.padding - cell
-    return cell, (1 - xi, xi)
+def hat_along(grid, k, s):
+    """First function and lanes of N [1] of the hats at s cells from the lower end of axis k, which may lie in the padding."""
+    cell = min(int(s + grid.padding[k]), grid.cells[k] + 2 * grid.padding[k] - 1)
+    xi = s + grid.padding[k] - cell
+    return cell, lanes((1 - xi, xi))
 
 
 @jit
-def integrated_along(axis, s, half, scale):
-    """First function, N (3,) [1] and dN/dx (3,) [1/m] of hats that are averaged from s - half to s + half, at most a cell apart.
+def integrated_along(grid, k, s, half):
+    """First function, lanes of N [1] and dN/dx [1/m] of three hats that are averaged from s - half to s + half, at most a cell apart.
 
     N = int hat dx/(2 half), and dN/dx is the difference of the hat at both ends, over 2 half.
     """
-    a = s - half + axis.padding
-    if axis.periodic and a < 0:
-        a += axis.cells
+    a = s - half + grid.padding[k]
+    if grid.periodic[k] and a < 0:
+        a += grid.cells[k]
     cell = int(a)
     a -= cell
     b = a + 2 * half
     beyond, rest, left = max(b - 1, 0.0), max(1 - b, 0.0), 1 - a
-    N0, N2, factor = 0.25 * (left * left - rest * rest) / half, 0.25 * beyond * beyond / half, 0.5 * scale / half
+    N0, N2, factor = 0.25 * (left * left - rest * rest) / half, 0.25 * beyond * beyond / half, 0.5 * grid.scale / half
     d0, d2 = factor * (rest - left), factor * beyond
-    return cell, (N0, 1 - N0 - N2, N2), (d0, -d0 - d2, d2)
+    return cell, lanes((N0, 1 - N0 - N2, N2)), lanes((d0, -d0 - d2, d2))
 
 
 @jit
-def affine_along(axis, first, s, scale, N):
-    """N (x_I - x)/D (W,) [1/m] and D = sum_I N (x_I - x)^2 [m^2]; D of the hat is 0 at a node, where the quotient is dN/dx."""
-    if len(N) == 2:
-        return (-scale, scale), N[0] * N[1] / scale**2
-    around = axis.cells if axis.periodic and first > s else 0
-    cell, x = first, axis.lower + (s + around) / scale
-    r0, r1, r2 = axis.nodes[cell] - x, axis.nodes[cell + 1] - x, axis.nodes[cell + 2] - x
-    if len(N) == 3:
-        D = N[0] * r0 * r0 + N[1] * r1 * r1 + N[2] * r2 * r2
-        return (N[0] * r0 / D, N[1] * r1 / D, N[2] * r2 / D), D
-    r3 = axis.nodes[cell + 3] - x
-    E = N[0] * r0 * r0 + N[1] * r1 * r1 + N[2] * r2 * r2 + N[3] * r3 * r3
-    return (N[0] * r0 / E, N[1] * r1 / E, N[2] * r2 / E, N[3] * r3 / E), E
+def moment_along(grid, k, first, s, N):
+    """Lanes of N (x_I - x) [m] and D = sum_I N (x_I - x)^2 [m^2] along axis k."""
+    around = grid.cells[k] if grid.periodic[k] and first > s else 0
+    from_here = load(grid.nodes, (k, first), N) - (grid.lower[k] + (s + around) / grid.scale)
+    moment = N * from_here
+    return moment, total(moment * from_here)

@@ -40,6 +40,8 @@ from .tensors import (
 """A call that passes 25 numbers costs more than most laws: the neo-Hookean one in space takes 16 ns instead of 43."""
 
 LINEAR_ELASTIC, KELVIN_VOIGT, MAXWELL, NEO_HOOKEAN, NEO_HOOKEAN_SPLIT, HENCKY, SAINT_VENANT_KIRCHHOFF = range(7)
+Law = tuple[int, ...]
+"""Number of a law, twice unless it is linear elasticity, for which the others are dropped where a function is compiled."""
 LAWS = {
     LinearElastic: LINEAR_ELASTIC,
     PlaneStress: LINEAR_ELASTIC,
@@ -61,24 +63,26 @@ class Constants(NamedTuple):
     time: float
 
 
-def constitution(material: LinearElastic) -> tuple[int, Constants]:
+def constitution(material: LinearElastic) -> tuple[Law, Constants]:
     """Law of a material and its constants."""
     time = 0.0
     if isinstance(material, KelvinVoigt):
         time = material.retardation_time
     elif isinstance(material, Maxwell):
         time = material.relaxation_time
-    return LAWS[type(material)], Constants(float(material.lame_lambda), float(material.shear_modulus), float(time))
+    number = LAWS[type(material)]
+    law = (number,) if number == LINEAR_ELASTIC else (number, number)
+    return law, Constants(float(material.lame_lambda), float(material.shear_modulus), float(time))
 
 
 @jit
-def stress(law: int, constants: Constants, sigma: Symmetric, F: Tensor, increment: Tensor, dt: float) -> Symmetric:
+def stress(law: Law, constants: Constants, sigma: Symmetric, F: Tensor, increment: Tensor, dt: float) -> Symmetric:
     """Cauchy stress after a step [Pa]; all NaN when a law of finite strain meets J <= 0.
 
     Parameters
     ----------
-    law : int
-        One of the laws of this module.
+    law : tuple of int
+        As of `constitution`.
     constants : Constants
         Of the law.
     sigma : tuple of float
@@ -95,17 +99,17 @@ def stress(law: int, constants: Constants, sigma: Symmetric, F: Tensor, incremen
     The laws at small strain go by the increment, but Kelvin-Voigt by the strain sym(F) - I: its stress holds a viscous part that
     is not to be carried on. They do not see J, and are not objective.
     """
-    if law == LINEAR_ELASTIC:
+    if len(law) == 1:
         return linear_elastic(constants.lame, constants.shear, sigma, sym(increment))
-    if law == KELVIN_VOIGT:
+    if law[0] == KELVIN_VOIGT:
         return kelvin_voigt(constants, shifted(-1.0, 1.0, sym(F)), sym(increment), dt)
-    if law == MAXWELL:
+    if law[0] == MAXWELL:
         return maxwell(constants, sigma, sym(increment), dt)
-    return hyperelastic(law, constants.lame, constants.shear, F)
+    return hyperelastic(law[0], constants.lame, constants.shear, F)
 
 
 @jit
-def strain_energy(law: int, constants: Constants, sigma: Symmetric, F: Tensor) -> float:
+def strain_energy(law: Law, constants: Constants, sigma: Symmetric, F: Tensor) -> float:
     """Stored energy [J/m^3] per volume that the stress acts on at small strain, per reference volume at finite strain.
 
     Notes
@@ -113,16 +117,18 @@ def strain_energy(law: int, constants: Constants, sigma: Symmetric, F: Tensor) -
     sigma : C^-1 : sigma / 2 at small strain, of Kelvin-Voigt the elastic part alone, from sym(F) - I.
     """
     lame, shear = constants.lame, constants.shear
-    if law in (LINEAR_ELASTIC, MAXWELL):
+    if len(law) == 1:
         return elastic_energy(lame, shear, sigma)
-    if law == KELVIN_VOIGT:
+    if law[0] == MAXWELL:
+        return elastic_energy(lame, shear, sigma)
+    if law[0] == KELVIN_VOIGT:
         eps = shifted(-1.0, 1.0, sym(F))
         return 0.5 * ddot(hooke(lame, shear, eps), eps)
-    return energy(law, lame, shear, F)
+    return energy(law[0], lame, shear, F)
 
 
 @jit
-def dissipation(law: int, constants: Constants, sigma: Symmetric, increment: Tensor, dt: float) -> float:
+def dissipation(law: Law, constants: Constants, sigma: Symmetric, increment: Tensor, dt: float) -> float:
     """Energy that a step turns into heat, per volume that the stress acts on [J/m^3]; `sigma` is the stress before it.
 
     Notes
@@ -130,11 +136,13 @@ def dissipation(law: int, constants: Constants, sigma: Symmetric, increment: Ten
     At a constant strain rate during the step: dt sigma_v : eps_dot for Kelvin-Voigt, and the exact integral of
     sigma : C^-1 : sigma / tau for Maxwell, as work less the change of the stored energy.
     """
+    if len(law) == 1:
+        return 0.0
     lame, shear, time = constants
     deps = sym(increment)
-    if law == KELVIN_VOIGT:
+    if law[0] == KELVIN_VOIGT:
         return time / dt * ddot(hooke(lame, shear, deps), deps)
-    if law == MAXWELL:
+    if law[0] == MAXWELL:
         x, elastic = dt / time, hooke(lame, shear, deps)
         share = -expm1(-x) / x
         work = share * ddot(sigma, deps) + (1 - share) / x * ddot(elastic, deps)
@@ -144,15 +152,23 @@ def dissipation(law: int, constants: Constants, sigma: Symmetric, increment: Ten
 
 
 @jit
-def reference_stress(law: int, sigma: Symmetric, F: Tensor) -> Tensor:
+def reference_stress(law: Law, sigma: Symmetric, F: Tensor) -> Tensor:
     """Stress of the total Lagrangian formulation [Pa]: sigma at small strain, P = J sigma F^-T at finite strain."""
+    if len(law) == 1:
+        return full(sigma)
     return first_piola_kirchhoff(sigma, F) if finite_strain(law) else full(sigma)
 
 
 @jit
-def finite_strain(law: int) -> bool:
+def finite_strain(law: Law) -> bool:
     """Whether a law is one of finite strain, which is objective and does not bear J <= 0."""
-    return law >= NEO_HOOKEAN
+    return law[0] >= NEO_HOOKEAN
+
+
+@jit
+def viscous(law: Law) -> bool:
+    """Whether a law turns energy into heat."""
+    return law[0] == KELVIN_VOIGT or law[0] == MAXWELL
 
 
 # Small strain.
@@ -168,7 +184,7 @@ def hooke(lame: float, shear: float, eps: Symmetric) -> Symmetric:
 def elastic_energy(lame: float, shear: float, sigma: Symmetric) -> float:
     """Stored [sigma : sigma - lambda tr(sigma)^2/(d lambda + 2 mu)]/(4 mu) = sigma : C^-1 : sigma/2 in d dimensions."""
     share = lame / (dimension(sigma) * lame + 2 * shear)
-    return (ddot(sigma, sigma) - share * trace(sigma) ** 2) / (4 * shear)
+    return (ddot(sigma, sigma) - share * trace(sigma) * trace(sigma)) / (4 * shear)
 
 
 @jit
@@ -248,12 +264,12 @@ def energy(law: int, lame: float, shear: float, F: Tensor) -> float:
     if not J > 0:
         return nan
     if law == NEO_HOOKEAN:
-        return 0.5 * lame * log(J) ** 2 - shear * log(J) + 0.5 * shear * (trace(b) - dimension(b))
+        return 0.5 * lame * log(J) * log(J) - shear * log(J) + 0.5 * shear * (trace(b) - dimension(b))
     if law == NEO_HOOKEAN_SPLIT:
         bulk = lame + 2 * shear / 3
         return 0.5 * bulk * (0.5 * (J * J - 1) - log(J)) + 0.5 * shear * (J ** (-2 / 3) * (trace(b) + 3 - dimension(b)) - 3)
     if law == HENCKY:
         strain = logarithm(b, J)
-        return 0.5 * lame * log(J) ** 2 + 0.25 * shear * ddot(strain, strain)
+        return 0.5 * lame * log(J) * log(J) + 0.25 * shear * ddot(strain, strain)
     doubled = shifted(-1.0, 1.0, b)
-    return 0.125 * lame * trace(doubled) ** 2 + 0.25 * shear * ddot(doubled, doubled)
+    return 0.125 * lame * trace(doubled) * trace(doubled) + 0.25 * shear * ddot(doubled, doubled)

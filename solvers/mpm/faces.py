@@ -34,7 +34,7 @@ def ghosts(axes: tuple[Axis, ...]) -> Integers:
 def integrals(axis: Axis, h: float) -> Array:
     """Integral of every function along an axis (C + W - 1,) [m]."""
     width = axis.polynomials.shape[1]
-    on_cells = (axis.polynomials / np.arange(1, width + 1)).sum(axis=2)[axis.piece]
+    on_cells = (axis.polynomials[:, :, :width] / np.arange(1, width + 1)[:, None]).sum(axis=1)[axis.piece]
     total = np.zeros(len(axis.nodes))
     for k in range(width):
         first = axis.padding + k

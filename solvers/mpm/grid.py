@@ -3,7 +3,7 @@
 from mpmverify.problem import Array
 
 from .compilation import jit
-from .state import Faces, Grid, Nodes, Scheme
+from .state import Faces, Grid, Nodes
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -16,12 +16,13 @@ def leapfrog(n: int, dt: float) -> tuple[float, float]:
 
 
 @jit
-def clear(nodes: Nodes) -> None:
-    """Nothing at the nodes."""
-    for i in range(nodes.inertia.shape[0]):
-        nodes.inertia[i, 0] = 0.0
-        for c in range(nodes.velocity.shape[1]):
-            nodes.inertia[i, 1 + c] = nodes.internal[i, c] = nodes.external[i, c] = 0.0
+def clear(nodes: Nodes, begin: int, end: int) -> None:
+    """Nothing at the nodes from `begin` to `end`."""
+    for sums in (nodes.inertia, nodes.internal, nodes.external):
+        for c in range(sums.shape[0]):
+            values = sums[c, begin:end]
+            for i in range(values.size):
+                values[i] = 0.0
 
 
 @jit
@@ -29,9 +30,9 @@ def join(grid: Grid, sums) -> None:
     """Add what was spread to the ghost nodes of a periodic axis to their images."""
     for g in range(grid.ghosts.shape[0]):
         ghost, image = grid.ghosts[g, 0], grid.ghosts[g, 1]
-        for c in range(sums.shape[1]):
-            sums[image, c] += sums[ghost, c]
-            sums[ghost, c] = 0.0
+        for c in range(sums.shape[0]):
+            sums[c, image] += sums[c, ghost]
+            sums[c, ghost] = 0.0
 
 
 @jit
@@ -39,125 +40,119 @@ def repeat(grid: Grid, values) -> None:
     """Give the ghost nodes of a periodic axis the values of their images."""
     for g in range(grid.ghosts.shape[0]):
         ghost, image = grid.ghosts[g, 0], grid.ghosts[g, 1]
-        for c in range(values.shape[1]):
-            values[ghost, c] = values[image, c]
+        for c in range(values.shape[0]):
+            values[c, ghost] = values[c, image]
 
 
 @jit
-def nodal_velocity(grid: Grid, nodes: Nodes, faces: Faces, n: int, massless: float, velocity, added) -> None:
-    """v_I = p_I/m_I and v_b(t^{n-1/2}) where it is held; `added` (d,) is the momentum that this adds, sum_I (m_I v_I - p_I)."""
-    join(grid, nodes.inertia)
-    for c in range(added.size):
+def nodal_velocity(nodes: Nodes, velocity, massless: float, added, begin: int, end: int) -> None:
+    """v_I = p_I/m_I of the nodes from `begin` to `end`; `added` (d,) is the momentum that this adds, where there is no mass."""
+    mass = nodes.inertia[0, begin:end]
+    for c in range(velocity.shape[0]):
+        momentum, v = nodes.inertia[1 + c, begin:end], velocity[c, begin:end]
+        for i in range(mass.size):
+            v[i] = momentum[i] / mass[i] if mass[i] > massless else 0.0
         added[c] = 0.0
-    for i in range(nodes.inertia.shape[0]):
-        mass = nodes.inertia[i, 0]
-        for c in range(len(grid.lower)):
-            momentum = nodes.inertia[i, 1 + c]
-            velocity[i, c] = momentum / mass if mass > massless else 0.0
-            if mass <= massless:
-                added[c] -= momentum
+        for i in range(mass.size):
+            if 0 < mass[i] <= massless:
+                added[c] -= momentum[i]
+
+
+@jit
+def hold_velocity(grid: Grid, nodes: Nodes, faces: Faces, n: int, velocity, added) -> None:
+    """v_b(t^{n-1/2}) where it is held, and the momentum that this adds (d,)."""
     for k in range(faces.held.shape[0]):
         i, c, face = faces.held[k, 0], faces.held[k, 1], faces.held[k, 2]
         held = faces.velocity[face, n]
-        added[c] += nodes.inertia[i, 0] * (held - velocity[i, c])
-        velocity[i, c] = held
+        added[c] += nodes.inertia[0, i] * (held - velocity[c, i])
+        velocity[c, i] = held
     repeat(grid, velocity)
 
 
 @jit
-def accelerate(
-    scheme: Scheme,
-    grid: Grid,
-    nodes: Nodes,
-    faces: Faces,
-    body: Array,
-    load: int,
-    n: int,
-    dt: float,
-    massless: float,
-) -> None:
-    """a_I = f_I/m_I with the tractions p n and m_I b_I of a body force at nodes; [v_b(t^{n+1/2}) - v_b(t^{n-1/2})]/dt where it is held.
-
-    The reaction m_I a_I - f_I is an external force.
-    """
-    join(grid, nodes.internal)
-    join(grid, nodes.external)
-    _, step = leapfrog(n, dt)
-    if body.shape[0] > 0 and scheme.nodal_body:
-        for i in range(nodes.inertia.shape[0]):
-            for c in range(len(grid.lower)):
-                nodes.external[i, c] += nodes.inertia[i, 0] * body[load, i, c]
+def load_faces(nodes: Nodes, faces: Faces, n: int) -> None:
+    """Add the tractions p n at t^n to the external forces."""
     for k in range(faces.loaded.shape[0]):
         i, c, face = faces.loaded[k, 0], faces.loaded[k, 1], faces.loaded[k, 2]
-        nodes.external[i, c] += faces.area[k] * faces.force[face, n]
-    for i in range(nodes.inertia.shape[0]):
-        mass = nodes.inertia[i, 0]
-        for c in range(len(grid.lower)):
-            if mass > massless:
-                nodes.acceleration[i, c] = (nodes.internal[i, c] + nodes.external[i, c]) / mass
-            else:
-                nodes.acceleration[i, c] = 0.0
-                nodes.external[i, c] = -nodes.internal[i, c]
+        nodes.external[c, i] += faces.area[k] * faces.force[face, n]
+
+
+@jit
+def accelerate(nodes: Nodes, body: Array, load: int, massless: float, begin: int, end: int) -> None:
+    """a_I = f_I/m_I of the nodes from `begin` to `end`, with m_I b_I of a body force (n, d) at nodes; the external force is the
+    reaction where there is no mass.
+    """
+    mass = nodes.inertia[0, begin:end]
+    for c in range(nodes.acceleration.shape[0]):
+        internal, external, a = nodes.internal[c, begin:end], nodes.external[c, begin:end], nodes.acceleration[c, begin:end]
+        if body.shape[0] > 0:
+            for i in range(mass.size):
+                external[i] += mass[i] * body[load, begin + i, c]
+        for i in range(mass.size):
+            external[i] = external[i] if mass[i] > massless else -internal[i]
+            a[i] = (internal[i] + external[i]) / mass[i] if mass[i] > massless else 0.0
+
+
+@jit
+def hold_acceleration(grid: Grid, nodes: Nodes, faces: Faces, n: int, dt: float) -> None:
+    """[v_b(t^{n+1/2}) - v_b(t^{n-1/2})]/dt where it is held; the reaction m_I a_I - f_I is an external force."""
+    _, step = leapfrog(n, dt)
     for k in range(faces.held.shape[0]):
         i, c, face = faces.held[k, 0], faces.held[k, 1], faces.held[k, 2]
-        nodes.acceleration[i, c] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / step
-        nodes.external[i, c] = nodes.inertia[i, 0] * nodes.acceleration[i, c] - nodes.internal[i, c]
+        nodes.acceleration[c, i] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / step
+        nodes.external[c, i] = nodes.inertia[0, i] * nodes.acceleration[c, i] - nodes.internal[c, i]
     repeat(grid, nodes.acceleration)
 
 
 @jit
-def begin_series(nodes: Nodes, values) -> None:
-    """Values of the nodes (n, d) as the first term of a series; the momentum is set to zero for what the particles make of it."""
-    for i in range(nodes.inertia.shape[0]):
-        for c in range(values.shape[1]):
-            nodes.term[i, c] = values[i, c]
-            nodes.inertia[i, 1 + c] = 0.0
+def kick_nodes(nodes: Nodes, kick: float, step: float, sums, begin: int, end: int) -> None:
+    """v_I += step a_I of the nodes from `begin` to `end`, where it is held it arrives at v_b(t^{n+1/2}); the momentum is set to zero for
+    another projection. Before, sum_I f_I v_I at t^n and sum_I f_I of the external forces (1 + d,).
+    """
+    sums[0] = 0.0
+    for c in range(nodes.velocity.shape[0]):
+        momentum, external = nodes.inertia[1 + c, begin:end], nodes.external[c, begin:end]
+        v, a = nodes.velocity[c, begin:end], nodes.acceleration[c, begin:end]
+        power, force = 0.0, 0.0
+        for i in range(v.size):
+            force += external[i]
+            power += external[i] * (v[i] + kick * a[i])
+        for i in range(v.size):
+            v[i] += step * a[i]
+            momentum[i] = 0.0
+        sums[0] += power
+        sums[1 + c] = force
 
 
 @jit
-def add_term(grid: Grid, nodes: Nodes, faces: Faces, massless: float, total, force: bool, added) -> None:
-    """t_I <- t_I - p_I/m_I, nothing where it is held, and `total` (n, d) += t: the next term of sum_j (I - S^+ S)^j.
+def begin_series(nodes: Nodes, values) -> None:
+    """Values of the nodes (d, n) as the first term of a series; the momentum is set to zero for what the particles make of it."""
+    for i in range(nodes.inertia.shape[1]):
+        for c in range(values.shape[0]):
+            nodes.term[c, i] = values[c, i]
+            nodes.inertia[1 + c, i] = 0.0
 
-    What a held node is refused counts as its reaction for a series of accelerations (`force`), else as momentum `added` (d,).
+
+@jit
+def add_term(grid: Grid, nodes: Nodes, faces: Faces, massless: float, total, reaction: float, added) -> None:
+    """t_I <- t_I - p_I/m_I, nothing where it is held, and `total` (d, n) += t: the next term of sum_j (I - S^+ S)^j.
+
+    What a held node is refused counts as its reaction for a series of accelerations (`reaction` 1), for one of velocities (0) as
+    momentum `added` (d,).
     """
     join(grid, nodes.inertia)
-    for i in range(nodes.inertia.shape[0]):
-        mass = nodes.inertia[i, 0]
+    for i in range(nodes.inertia.shape[1]):
+        mass = nodes.inertia[0, i]
         for c in range(len(grid.lower)):
-            nodes.term[i, c] = nodes.term[i, c] - nodes.inertia[i, 1 + c] / mass if mass > massless else 0.0
-            nodes.inertia[i, 1 + c] = 0.0
+            nodes.term[c, i] = nodes.term[c, i] - nodes.inertia[1 + c, i] / mass if mass > massless else 0.0
+            nodes.inertia[1 + c, i] = 0.0
     for k in range(faces.held.shape[0]):
         i, c = faces.held[k, 0], faces.held[k, 1]
-        refused = nodes.inertia[i, 0] * nodes.term[i, c]
-        if force:
-            nodes.external[i, c] -= refused
-        else:
-            added[c] -= refused
-        nodes.term[i, c] = 0.0
+        refused = nodes.inertia[0, i] * nodes.term[c, i]
+        nodes.external[c, i] -= reaction * refused
+        added[c] -= (1 - reaction) * refused
+        nodes.term[c, i] = 0.0
     repeat(grid, nodes.term)
-    for i in range(nodes.inertia.shape[0]):
+    for i in range(nodes.inertia.shape[1]):
         for c in range(len(grid.lower)):
-            total[i, c] += nodes.term[i, c]
-
-
-@jit
-def external_force_and_power(grid: Grid, nodes: Nodes, kick: float, force) -> float:
-    """Sum of the external forces into `force` (d,), and their power sum_I f_I v_I at t^n."""
-    power = 0.0
-    for c in range(force.size):
-        force[c] = 0.0
-    for i in range(nodes.inertia.shape[0]):
-        for c in range(len(grid.lower)):
-            f = nodes.external[i, c]
-            force[c] += f
-            power += f * (nodes.velocity[i, c] + kick * nodes.acceleration[i, c])
-    return power
-
-
-@jit
-def kick_nodes(grid: Grid, nodes: Nodes, step: float) -> None:
-    """v_I += step a_I, where it is held it arrives at v_b(t^{n+1/2}); the momentum is set to zero for another projection."""
-    for i in range(nodes.inertia.shape[0]):
-        for c in range(len(grid.lower)):
-            nodes.velocity[i, c] += step * nodes.acceleration[i, c]
-            nodes.inertia[i, 1 + c] = 0.0
+            total[c, i] += nodes.term[c, i]

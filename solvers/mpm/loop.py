@@ -2,16 +2,26 @@
 
 from typing import Any
 
-import numpy as np
-from numba import njit, prange
+from numba import prange
 
 from mpmverify.problem import Array
 
-from .basis import Axis
 from .compilation import SOURCES, WITHOUT_ENTRY, compiled
 from .constitution import Constants
-from .grid import accelerate, add_term, begin_series, clear, external_force_and_power, kick_nodes, leapfrog, nodal_velocity
-from .histories import COMPLETED, INVERTED, LEFT_GRID, TURNED, UNSORTED, heat_of, record_histories
+from .grid import (
+    accelerate,
+    add_term,
+    begin_series,
+    clear,
+    hold_acceleration,
+    hold_velocity,
+    join,
+    kick_nodes,
+    leapfrog,
+    load_faces,
+    nodal_velocity,
+)
+from .histories import COMPLETED, INVERTED, LEFT_GRID, TURNED, UNSORTED, add_up, heat_of, record_sums
 from .order import INTERVAL, Strips
 from .passes import (
     FAILED,
@@ -26,33 +36,22 @@ from .passes import (
     smooth,
     strain_particles,
 )
-from .state import Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme
+from .state import Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme, columns_of
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
-TO_GRID, TO_PARTICLES, STRAIN_ALONE, SMOOTH = range(4)
+TO_GRID, TO_PARTICLES, STRAIN_ALONE, SMOOTH = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
+CLEAR, VELOCITY, ACCELERATE, KICK = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
+"""Passes over the particles and over the nodes; their lengths tell them apart where a function is compiled."""
 MASSLESS = 1e-12
 """Nodes with less than this part of the largest particle's mass carry no velocity: f/m would overflow."""
 
 
-@njit
-def joined_axes(like, x: Axis, y: Axis, z: Axis):
-    """As many axes as there are dimensions; it returns arrays, so references to them must be counted."""
-    if len(like) == 1:
-        return (x,)
-    if len(like) == 2:
-        return (x, y)
-    return (x, y, z)
-
-
 def sweep(
-    kind: int,
+    kind,
     scheme: Scheme,
     grid: Grid,
-    x: Axis,
-    y: Axis,
-    z: Axis,
     particles: Particles,
     nodes: Nodes,
     strips: Strips,
@@ -60,36 +59,52 @@ def sweep(
     load: int,
     n: int,
     dt: float,
-    choice: bool,
+    record: bool,
+    advance: bool,
 ) -> int:
     """One pass over all strips, those of one colour at the same time; the worst of what it says of them.
 
     Notes
     -----
-    A loop in threads takes arrays and flat tuples: what is nested is taken apart before and put together in it. In less than
-    three dimensions the axes that are missing repeat the last one.
+    A loop in threads takes arrays and flat tuples: what is nested is taken apart before and put together in it.
     """
-    (schedule, affine, flip, terms, full_mass, total, nodal_body, law, constants) = scheme
+    (schedule, affine, flip, series, terms, full_mass, total, nodal_body, law, constants) = scheme
     lame, shear, time = constants
-    _, lower, scale, stride, width, ghosts, basis, least_squares, half, stretched = grid
+    (lower, scale, cells, periodic, stride, width, padding, piece, polynomials, places, ghosts, basis, half, stretched) = grid
     said, count = strips.passed, strips.passed.size
     for colour in range(2):
         for k in prange((count + 1 - colour) // 2):
-            choices = Scheme(schedule, affine, flip, terms, full_mass, total, nodal_body, law, Constants(lame, shear, time))
-            axes = joined_axes(lower, x, y, z)
-            space = Grid(axes, lower, scale, stride, width, ghosts, basis, least_squares, half, stretched)
+            choices = Scheme(
+                schedule, affine, flip, series, terms, full_mass, total, nodal_body, law, Constants(lame, shear, time)
+            )
+            space = Grid(
+                lower,
+                scale,
+                cells,
+                periodic,
+                stride,
+                width,
+                padding,
+                piece,
+                polynomials,
+                places,
+                ghosts,
+                basis,
+                half,
+                stretched,
+            )
             s = 2 * k + colour
             first, stop = strips.particles[s], strips.particles[s + 1]
-            if kind == TO_GRID:
-                passed = particles_to_grid(choices, space, particles, nodes, body, load, choice, first, stop)
-            elif kind == TO_PARTICLES:
+            if len(kind) == 1:
+                passed = particles_to_grid(choices, space, particles, nodes, body, load, advance, first, stop)
+            elif len(kind) == 2:
                 passed = grid_to_particles(
-                    choices, space, particles, nodes, n, dt, choice, strips.limits[s], strips.sums[s], first, stop
+                    choices, space, particles, nodes, n, dt, record, advance, strips.limits[s], strips.sums[s], first, stop
                 )
-            elif kind == SMOOTH:
-                passed = smooth(choices, space, particles, nodes, first, stop)
-            else:
+            elif len(kind) == 3:
                 passed = strain_particles(choices, space, particles, nodes, dt, strips.limits[s], strips.sums[s], first, stop)
+            else:
+                passed = smooth(choices, space, particles, nodes, first, stop)
             said[s] = passed
     worst = PASSED
     for s in range(count):
@@ -97,12 +112,40 @@ def sweep(
     return worst
 
 
+def sweep_nodes(
+    kind,
+    nodes: Nodes,
+    strips: Strips,
+    velocity: Array,
+    massless: float,
+    body: Array,
+    load: int,
+    kick: float,
+    step: float,
+    total: Array,
+) -> None:
+    """One pass over all nodes in as many parts as there are strips, and the sum of what the parts leave (n,)."""
+    parts, count = strips.nodal.shape[0], nodes.inertia.shape[1]
+    for k in prange(parts):
+        begin, end = count * k // parts, count * (k + 1) // parts
+        if len(kind) == 1:
+            clear(nodes, begin, end)
+        elif len(kind) == 2:
+            nodal_velocity(nodes, velocity, massless, strips.nodal[k], begin, end)
+        elif len(kind) == 3:
+            accelerate(nodes, body, load, massless, begin, end)
+        else:
+            kick_nodes(nodes, kick, step, strips.nodal[k], begin, end)
+    for c in range(total.size):
+        total[c] = 0.0
+        for k in range(parts):
+            total[c] += strips.nodal[k, c]
+
+
 def refine(
-    scheme: Scheme,
-    grid: Grid,
-    x: Axis,
-    y: Axis,
-    z: Axis,
+    series,
+    scheme,
+    grid,
     particles,
     nodes,
     faces,
@@ -111,18 +154,19 @@ def refine(
     massless,
     values,
     total,
-    force,
+    reaction,
     added,
 ):
-    """Add the terms 0 < j < k of sum_{j < k} (I - S^+ S)^j to `total` (n, d), from the velocities or accelerations `values` (n, d).
+    """Add the terms 0 < j < k of sum_{j < k} (I - S^+ S)^j to `total` (d, n), from the velocities or accelerations `values` (d, n).
 
     S takes nodes to particles and S^+ back, with the lumped mass: the more terms, the closer comes the sum to what the full mass
-    would have given.
+    would have given. `reaction` is 1 for accelerations and 0 for velocities, see `add_term`. Nothing where there is no series.
     """
-    begin_series(nodes, values)
-    for _ in range(scheme.terms - 1):
-        sweep(SMOOTH, scheme, grid, x, y, z, particles, nodes, strips, body, 0, 0, 0.0, True)
-        add_term(grid, nodes, faces, massless, total, force, added)
+    if len(series) > 0:
+        begin_series(nodes, values)
+        for _ in range(scheme.terms - 1):
+            sweep(SMOOTH, scheme, grid, particles, nodes, strips, body, 0, 0, 0.0, False, False)
+            add_term(grid, nodes, faces, massless, total, reaction, added)
 
 
 def march(
@@ -171,54 +215,73 @@ def march(
     Material Point Method, 2017 (the leapfrog form); de Vaucorbeil, Nguyen and Hutchinson, 2020,
     doi:10.1016/j.cma.2019.112783 (total Lagrangian).
     """
-    massless = MASSLESS * particles.mass.max()
-    count, last, strayed = strips.passed.size, histories.mass.size - 1, False
-    x, y, z = grid.axes[0], grid.axes[min(1, len(grid.lower) - 1)], grid.axes[len(grid.lower) - 1]
-    added, force = np.zeros(len(grid.lower)), np.zeros(len(grid.lower))
+    heaviest = 0.0
+    for p in range(particles.place.size):
+        heaviest = max(heaviest, particles.state[p, columns_of(grid.lower).mass])
+    massless, last, strayed = MASSLESS * heaviest, faces.force.shape[1] - 1, False
+    many, series, turns = strips.passed.size > 1, scheme.series, scheme.full_mass
+    velocity, nodal_body = nodes.velocity, body if scheme.nodal_body else body[:0]
+    nothing, added, power_and_force = (
+        strips.total[0, :0],
+        strips.total[0, : len(grid.lower)],
+        strips.total[1, : 1 + len(grid.lower)],
+    )
+    record = 0
+    while histories.step[record] < begin:
+        record += 1
     for n in range(begin, end):
-        if strayed or (count > 1 and n - begin == INTERVAL):
+        if strayed or (many and n - begin == INTERVAL):
             return UNSORTED, n, output
-        clear(nodes)
-        load, forces = n - begin, scheme.schedule != USF or n == 0
-        if sweep(TO_GRID, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, forces) == FAILED:
+        sweep_nodes(CLEAR, nodes, strips, velocity, massless, body, 0, 0.0, 0.0, nothing)
+        load, forces, recorded = n - begin, scheme.schedule != USF or n == 0, histories.step[record] == n
+        if sweep(TO_GRID, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, forces) == FAILED:
             return LEFT_GRID, n, output
-        nodal_velocity(grid, nodes, faces, n, massless, nodes.velocity, added)
-        if scheme.terms > 1:
-            total = nodes.velocity
-            if not scheme.full_mass:
-                total = nodes.projected
-                total[:] = 0.0
-            refine(scheme, grid, x, y, z, particles, nodes, faces, strips, body, massless, nodes.velocity, total, False, added)
+        join(grid, nodes.inertia)
+        sweep_nodes(VELOCITY, nodes, strips, velocity, massless, body, 0, 0.0, 0.0, added)
+        hold_velocity(grid, nodes, faces, n, velocity, added)
+        sums = velocity if turns else nodes.projected
+        if len(series) > 0 and not turns:
+            sums[:] = 0.0
+        refine(series, scheme, grid, particles, nodes, faces, strips, body, massless, velocity, sums, 0.0, added)
         if not forces:
-            passed = sweep(STRAIN_ALONE, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, True)
+            passed = sweep(STRAIN_ALONE, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, forces)
             if passed == FAILED:
                 return INVERTED, n, output
             running[TURNED] += heat_of(strips)
-        accelerate(scheme, grid, nodes, faces, body, load, n, dt, massless)
-        if scheme.full_mass:
-            same = nodes.acceleration
-            refine(scheme, grid, x, y, z, particles, nodes, faces, strips, body, massless, same, same, True, force)
+        join(grid, nodes.internal)
+        join(grid, nodes.external)
+        load_faces(nodes, faces, n)
+        sweep_nodes(ACCELERATE, nodes, strips, velocity, massless, nodal_body, load, 0.0, 0.0, nothing)
+        hold_acceleration(grid, nodes, faces, n, dt)
+        if turns:
+            sums = nodes.acceleration
+            refine(series, scheme, grid, particles, nodes, faces, strips, body, massless, sums, sums, 1.0, added)
         recording = outputs.step[output] == n
         if recording:
             record_fields(scheme, grid, particles, nodes, outputs, output, n, dt)
         kick, step = leapfrog(n, dt)
-        power = external_force_and_power(grid, nodes, kick, force)
-        kick_nodes(grid, nodes, step)
-        passed = sweep(TO_PARTICLES, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, n < last)
-        status = record_histories(scheme, grid, nodes, strips, histories, running, added, force, power, n, dt)
-        if status != COMPLETED:
-            return status, n, output
+        sweep_nodes(KICK, nodes, strips, velocity, massless, body, 0, kick, step, power_and_force)
+        add_up(scheme, histories, record, recorded, running, added, power_and_force, n, dt)
+        advance = n < last
+        passed = sweep(TO_PARTICLES, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, advance)
+        if recorded:
+            status = record_sums(grid, nodes, strips, histories, record, running)
+            if status != COMPLETED:
+                return status, n, output
+            record += 1
         output += recording
         if n == last:
             break
         if scheme.schedule == USL:
             running[TURNED] += heat_of(strips)
         if scheme.schedule == MUSL:
-            nodal_velocity(grid, nodes, faces, n + 1, massless, nodes.projected, added)
-            if scheme.full_mass:
-                same = nodes.projected
-                refine(scheme, grid, x, y, z, particles, nodes, faces, strips, body, massless, same, same, False, added)
-            passed = sweep(STRAIN_ALONE, scheme, grid, x, y, z, particles, nodes, strips, body, load, n, dt, True)
+            join(grid, nodes.inertia)
+            sweep_nodes(VELOCITY, nodes, strips, nodes.projected, massless, body, 0, 0.0, 0.0, added)
+            hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)
+            if turns:
+                sums = nodes.projected
+                refine(series, scheme, grid, particles, nodes, faces, strips, body, massless, sums, sums, 0.0, added)
+            passed = sweep(STRAIN_ALONE, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, advance)
             running[TURNED] += heat_of(strips)
         if passed == FAILED:
             return INVERTED, n + 1, output
@@ -227,7 +290,7 @@ def march(
 
 
 def _assembled(march: Any, of_sweep: dict[str, bool], **options: bool) -> Any:
-    passes = {"sweep": compiled(sweep, {}, **WITHOUT_ENTRY, **of_sweep)}
+    passes = {one.__name__: compiled(one, {}, **WITHOUT_ENTRY, **of_sweep) for one in (sweep, sweep_nodes)}
     return compiled(
         march,
         passes | {"refine": compiled(refine, passes, **WITHOUT_ENTRY, **options)},

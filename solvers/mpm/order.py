@@ -7,9 +7,9 @@ from numba import njit
 
 from mpmverify.problem import Array
 
-from .compilation import SOURCES, jit
+from .compilation import ARITHMETIC, SOURCES, jit
 from .state import Grid, Integers, Particles, Scheme
-from .stencil import cells_from_end, place
+from .stencil import inside, place
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -26,7 +26,8 @@ class Strips(NamedTuple):
 
     First particle of each strip and the number of particles (S + 1,), first row of cells of each strip and the number of rows
     (S + 1,), how far its particles may go before they are sorted again (S, 2) [m], what the passes say of each strip (S,) and the
-    sums that they leave (S, 3 + d + the components of the angular momentum, or 1).
+    sums that they leave; those that passes over as many parts of the nodes leave (S, 8), a cache line each, and two sums
+    of these (2, 8).
     """
 
     particles: Integers
@@ -34,9 +35,11 @@ class Strips(NamedTuple):
     limits: Array
     passed: Integers
     sums: Array
+    nodal: Array
+    total: Array
 
 
-def strips(lower: float, h: float, rows: int, width: int, particles: int, dimension: int, moving: bool) -> Strips:
+def strips(lower: float, h: float, rows: int, width: int, particles: int, moving: bool) -> Strips:
     """Strips for a grid of so many rows of cells: of the same length, and not so short that two of one colour could meet.
 
     Notes
@@ -53,59 +56,54 @@ def strips(lower: float, h: float, rows: int, width: int, particles: int, dimens
         limits[:] = -np.inf, np.inf
     held = np.zeros(count + 1, dtype=np.int64)
     held[1:] = particles
-    return Strips(held, first, limits, np.ones(count, dtype=np.int64), np.zeros((count, {1: 5, 2: 6, 3: 9}[dimension])))
+    return Strips(
+        held, first, limits, np.ones(count, dtype=np.int64), np.zeros((count, 16)), np.zeros((count, 8)), np.zeros((2, 8))
+    )
 
 
 @jit
-def cell_of(scheme: Scheme, grid: Grid, particles: Particles, p: int):
+def cell_of(scheme: Scheme, grid: Grid, particles: Particles, p: int) -> int:
     """Number of the cell of a particle, x fastest; -1 when it is not on the grid."""
-    x = place(scheme, grid, particles, p)
+    s = place(scheme, grid, particles, p)
+    if not inside(grid, s):
+        return -1
     cell, stride = 0, 1
-    for k in range(len(x)):
-        s = cells_from_end(grid.axes[k], x[k], grid.scale)
-        if not 0 <= s <= grid.axes[k].cells:
-            return -1
-        cell += stride * min(int(s), grid.axes[k].cells - 1)
-        stride *= grid.axes[k].cells
+    for k in range(len(s)):
+        cell += stride * min(int(s[k]), grid.cells[k] - 1)
+        stride *= grid.cells[k]
     return cell
 
 
 @jit
-def permute(array, order, spare) -> None:
-    """Rows of an array (P, n) in another order."""
-    for p in range(order.size):
-        for c in range(array.shape[1]):
-            spare[p, c] = array[order[p], c]
-    for p in range(order.size):
-        for c in range(array.shape[1]):
-            array[p, c] = spare[p, c]
+def permute(particles: Particles, order: Integers, spare: Array) -> None:
+    """Particles in another order (P,), along its cycles; `order` becomes that of one that is sorted, `spare` holds a state (K,)."""
+    place, state = particles.place, particles.state
+    for first in range(order.size):
+        if order[first] == first:
+            continue
+        number, hole = place[first], first
+        for c in range(spare.size):
+            spare[c] = state[first, c]
+        while order[hole] != first:
+            source = order[hole]
+            place[hole] = place[source]
+            for c in range(spare.size):
+                state[hole, c] = state[source, c]
+            order[hole], hole = hole, source
+        place[hole], order[hole] = number, hole
+        for c in range(spare.size):
+            state[hole, c] = spare[c]
 
 
-@jit
-def permute_affine(affine, order, spare) -> None:
-    """Rows of the affine part in another order, where there is one."""
-    if affine.ndim == 2:
-        permute(affine, order, spare)
-
-
-@jit
-def permute_values(array, order, spare) -> None:
-    """Values (P,) in another order."""
-    for p in range(order.size):
-        spare[p] = array[order[p]]
-    for p in range(order.size):
-        array[p] = spare[p]
-
-
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+@njit(cache=True, **ARITHMETIC)
 def sort(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, sources: int = SOURCES) -> bool:
     """Sort the particles by cell (counting sort, stable) and share them out among the strips; False when one is off the grid."""
     cells = 1
     for k in range(len(grid.lower)):
-        cells *= grid.axes[k].cells
-    row_of_cells = cells // grid.axes[len(grid.lower) - 1].cells
-    count = particles.mass.size
-    cell = np.empty(count, dtype=np.int64)
+        cells *= grid.cells[k]
+    row_of_cells = cells // grid.cells[len(grid.lower) - 1]
+    count = particles.place.size
+    cell = np.empty(count, dtype=np.int32)
     start = np.zeros(cells + 1, dtype=np.int64)
     for p in range(count):
         cell[p] = cell_of(scheme, grid, particles, p)
@@ -120,17 +118,5 @@ def sort(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, sourc
     for p in range(count):
         order[start[cell[p]]] = p
         start[cell[p]] += 1
-    permute_values(particles.place, order, cell)
-    spare = np.empty((count, particles.F.shape[1]))
-    for array in (
-        particles.reference,
-        particles.position,
-        particles.velocity,
-        particles.F,
-        particles.stress,
-    ):
-        permute(array, order, spare)
-    permute_affine(particles.affine, order, spare)
-    for values in (particles.mass, particles.volume):
-        permute_values(values, order, spare[:, 0])
+    permute(particles, order, np.empty(particles.state.shape[1]))
     return True

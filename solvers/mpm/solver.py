@@ -25,13 +25,13 @@ from mpmverify.problem import (
 from mpmverify.solution import Outcome, Solution, Status, Work
 
 from . import loop, passes
-from .basis import BASES, SPLINES, basis_axis
+from .basis import BASES, MLS, SPLINES, Axis, basis_axis
 from .constitution import LAWS, constitution
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
 from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSORTED, UNSTABLE, by_component, no_histories
 from .layout import REGULAR, Layout, place_particles
 from .order import Strips, sort, strips
-from .state import Grid, Nodes, Outputs, Particles, Scheme
+from .state import Grid, Nodes, Outputs, Particles, Scheme, columns_like, grid_of, nodal
 from .transfers import FLIP, Transfer
 
 SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
@@ -70,13 +70,15 @@ class MaterialPoint:
         Where the body force is evaluated; nodes keep their material coordinates in the total Lagrangian only.
     layout : Layout
         Where the particles of a cell begin.
+    record_every : int
+        Steps from one entry of the histories to the next; the first and the last step are recorded in any case. Instability is
+        looked for at these steps.
 
     Raises
     ------
     UsageError
         If a choice does not exist, the body force is asked for at the nodes of an updated Lagrangian grid, an affine transfer
-        for CPDI, Gauss points for particles that have a domain, or
-        USF for domains that stretch.
+        for CPDI, Gauss points for particles that have a domain, or USF for domains that stretch.
 
     Notes
     -----
@@ -100,6 +102,7 @@ class MaterialPoint:
     formulation: str = "updated"
     body_force_at: str = "particles"
     layout: Layout = REGULAR
+    record_every: int = 1
 
     conserves: ClassVar[frozenset[str]] = frozenset({"mass", "momentum"})
 
@@ -118,11 +121,15 @@ class MaterialPoint:
             if not isinstance(chosen, kind):
                 what = kind.__name__.lower()
                 raise UsageError(f"the {what} of a material point solver is one of mpmverify.solvers.mpm, not {chosen!r}")
+        if not (isinstance(self.record_every, int) and self.record_every >= 1):
+            raise UsageError(
+                f"the histories are recorded every step or every n, not every {self.record_every!r}: give a whole n"
+            )
         if self.transfer.affine and self.basis == "cpdi":
             raise UsageError("an affine transfer needs functions that are products: choose another basis than CPDI")
         if self.schedule == "USF" and BASES[self.basis].stretched and self.formulation == "updated":
             raise UsageError("USF would stretch the domains between the two transfers of a step: choose USL or MUSL")
-        if self.layout.gauss and BASES[self.basis].kind != SPLINES:
+        if self.layout.gauss and BASES[self.basis].kind not in (SPLINES, MLS):
             raise UsageError("the domains of GIMP and CPDI are equal parts of a cell: choose another layout than Gauss points")
         if self.body_force_at == "nodes" and self.formulation != "total":
             raise UsageError(
@@ -146,7 +153,7 @@ class MaterialPoint:
         curvature.
         """
         damped = self.transfer.flip < 1 and not self.transfer.affine and self.transfer.terms == 1
-        if damped or BASES[self.basis].least_squares:
+        if damped or BASES[self.basis].kind == MLS:
             return {"displacement": 1.0, "velocity": 1.0, "stress": 1.0}
         if BASES[self.basis].degree > 1:
             return {"displacement": 2.0, "velocity": 2.0 if self.transfer.affine else 1.5, "stress": 1.5}
@@ -162,7 +169,8 @@ class MaterialPoint:
         """
         self._check(problem)
         steps, dt = discretisation.time_steps(problem)
-        grid = self._grid(problem, discretisation)
+        axes = self._axes(problem, discretisation)
+        grid = self._grid(axes, discretisation)
         reference, volume = place_particles(problem, discretisation, self.layout)
         particles = self._particles(problem, reference, volume)
         count, dimension = reference.shape
@@ -170,23 +178,15 @@ class MaterialPoint:
             self._scheme(problem),
             grid,
             particles,
-            Nodes(
-                *(np.zeros((math.prod(len(axis.nodes) for axis in grid.axes), n)) for n in (1 + dimension, *[dimension] * 6))
-            ),
-            tabulate_faces(problem, grid.axes, discretisation.h, steps, dt),
+            Nodes(*(nodal(n, math.prod(len(axis.nodes) for axis in axes)) for n in (1 + dimension, *[dimension] * 6))),
+            tabulate_faces(problem, axes, discretisation.h, steps, dt),
             self._strips(problem, discretisation, grid, count),
         )
         step = output_steps(steps, problem.outputs)
         times = np.arange(steps + 1, dtype=np.float64) * dt
-        displacement, velocity = np.zeros((2, len(step), count, dimension))
-        outputs = Outputs(
-            step,
-            displacement,
-            velocity,
-            np.zeros((len(step), *particles.stress.shape)),
-            np.zeros((len(step), count)),
-        )
-        histories = no_histories(steps, dimension)
+        u, v, sigma = (np.zeros((len(step), count, n)) for n in (dimension, dimension, particles.stress.shape[1]))
+        outputs = Outputs(step, u, v, sigma, np.zeros((len(step), count)))
+        histories = no_histories(steps, self.record_every, dimension)
         top_speed = np.abs(state[4].velocity).max()
         running = np.concatenate([[0.0, 0.0, 0.5 * particles.mass.sum() * top_speed**2, 0.0], np.zeros(dimension)])
         record = (outputs, histories, running, dt)
@@ -196,7 +196,7 @@ class MaterialPoint:
         on_grid = not divided or sort(*state[:3], state[5])
 
         started = time.perf_counter()
-        points = node_positions(grid.axes) if self.body_force_at == "nodes" else reference
+        points = node_positions(axes) if self.body_force_at == "nodes" else reference
         block = max(1, BLOCK // points.size) if problem.body_force else steps + 1
         code, done, kept = COMPLETED if on_grid else LEFT_GRID, 0, 0
         while code == COMPLETED and done <= steps:
@@ -226,7 +226,7 @@ class MaterialPoint:
                 "velocity": outputs.velocity[:kept],
                 "stress": outputs.stress[:kept],
             },
-            histories={"time": times[:done], **by_component(histories, done)},
+            histories={"time": times[histories.step[histories.step < done]], **by_component(histories, done)},
             work=Work(taken, taken * count, seconds),
             outcome=Outcome(STATUSES[code], detail),
         )
@@ -258,6 +258,7 @@ class MaterialPoint:
             SCHEDULES[self.schedule],
             self.transfer.affine,
             float(self.transfer.flip),
+            (0.0,) if self.transfer.terms > 1 else (),
             self.transfer.terms,
             self.transfer.full_mass and self.transfer.terms > 1,
             self.formulation == "total",
@@ -265,36 +266,32 @@ class MaterialPoint:
             *constitution(problem.material),
         )
 
-    def _grid(self, problem: Problem, at: Discretisation) -> Grid:
-        basis = BASES[self.basis]
-        axes = tuple(
-            basis_axis(basis, lower, at.h, cells, isinstance(problem.boundary[f"{name}-"], Periodic))
+    def _axes(self, problem: Problem, at: Discretisation) -> tuple[Axis, ...]:
+        return tuple(
+            basis_axis(BASES[self.basis], lower, at.h, cells, isinstance(problem.boundary[f"{name}-"], Periodic))
             for name, lower, cells in zip("xyz", problem.lower, at.cells(problem), strict=False)
         )
-        counts = [len(axis.nodes) for axis in axes]
-        stride = tuple(math.prod(counts[:k]) for k in range(len(counts)))
-        lower, width = tuple(map(float, problem.lower)), (0.0,) * basis.width
-        half, stretched = 0.5 / at.ppc, basis.stretched and self.formulation == "updated"
-        return Grid(axes, lower, 1 / at.h, stride, width, ghosts(axes), basis.kind, basis.least_squares, half, stretched)
+
+    def _grid(self, axes: tuple[Axis, ...], at: Discretisation) -> Grid:
+        basis = BASES[self.basis]
+        stretched = basis.stretched and self.formulation == "updated"
+        return grid_of(axes, at.h, basis, ghosts(axes), 0.5 / at.ppc, stretched)
 
     def _strips(self, problem: Problem, at: Discretisation, grid: Grid, count: int) -> Strips:
         rows, moving = at.cells(problem)[-1], self.formulation == "updated"
-        reach = len(grid.width) if grid.kind == SPLINES else 4
-        return strips(grid.lower[-1], at.h, rows, reach, count, problem.dimension, moving)
+        reach = {2: 2, 3: 4, 4: 4}[len(grid.width)] if grid.kind in (SPLINES, MLS) else 4  # in lanes
+        return strips(grid.lower[-1], at.h, rows, reach, count, moving)
 
     def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:
         """Lay the particles out in the initial state of the body."""
         assert isinstance(problem.material, LinearElastic)
         count, dimension = reference.shape
-        tensor = dimension**2
-        return Particles(
-            np.arange(count, dtype=np.int64),
-            reference.copy(),
-            reference + problem.initial_field("displacement", reference),
-            problem.initial_field("velocity", reference).copy(),
-            np.zeros((count, tensor) if self.transfer.affine else 0),
-            np.eye(dimension).ravel() + problem.initial_field("displacement_gradient", reference),
-            problem.initial_field("stress", reference).copy(),
-            problem.material.density * volume,
-            volume.copy(),
-        )
+        kept = dimension**2 if self.transfer.affine else 0
+        state = np.zeros((count, columns_like((0.0,) * dimension).affine + kept))
+        particles = Particles(np.arange(count, dtype=np.int64), reference, state)
+        particles.position[:] = reference + problem.initial_field("displacement", reference)
+        particles.velocity[:] = problem.initial_field("velocity", reference)
+        particles.F[:] = np.eye(dimension).ravel() + problem.initial_field("displacement_gradient", reference)
+        particles.stress[:] = problem.initial_field("stress", reference)
+        particles.mass[:], particles.volume[:] = problem.material.density * volume, volume
+        return particles

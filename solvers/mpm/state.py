@@ -1,5 +1,6 @@
 """What the compiled time loop works on; d dimensions, P particles, n nodes, N steps, T outputs, S strips."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -7,67 +8,163 @@ from numpy.typing import NDArray
 
 from mpmverify.problem import Array
 
-from .basis import Axis
-from .constitution import Constants
+from .basis import Axis, Basis
+from .compilation import jit
+from .constitution import Constants, Law
+from .vectors import Vector
 
 Integers = NDArray[np.int64]
 
 
 class Scheme(NamedTuple):
-    """Choices of the scheme: schedule, affine part of the transfer, share of FLIP, terms of the series for the velocity and whether they
-    stand for the inverse of the full mass, formulation, where the body force
-    acts, law and its constants.
+    """Choices of the scheme: schedule, affine part of the transfer, share of FLIP, whether there is a series for the velocity, and if so
+    its terms and whether they stand for the inverse of the full mass; formulation, where the body force acts, law and its constants.
+
+    The length of `affine` and `series` tells a compiled function which it is.
     """
 
     schedule: int
-    affine: int
+    affine: tuple[float, ...]
     flip: float
+    series: tuple[float, ...]
     terms: int
     full_mass: bool
     total: bool
     nodal_body: bool
-    law: int
+    law: Law
     constants: Constants
 
 
 class Grid(NamedTuple):
-    """Axes (d,), lower corner (d,) [m], 1/h [1/m], steps from node to node (d,), and W numbers that tell the width of a stencil.
+    """Lower corner (d,) [m], 1/h [1/m], numbers of cells, whether the ends of an axis are joined, steps from node to node (d,).
 
-    A ghost node of a periodic axis and its image, (G, 2). The kind of the basis, whether its gradients are those of moving least
-    squares, half the side of a particle at first, in cells, and whether it stretches.
+    W numbers that tell the width of a stencil; of all axes as of `Axis` the padding (d,), the pieces (d, C), the polynomials, to which
+    these refer, and the nodes (d, n) [m]; a ghost node of a periodic axis and its image (G, 2). The kind of the basis, half the side of
+    a particle at first, in cells, and whether it stretches.
     """
 
-    axes: tuple[Axis, ...]
     lower: tuple[float, ...]
     scale: float
+    cells: tuple[int, ...]
+    periodic: tuple[bool, ...]
     stride: tuple[int, ...]
     width: tuple[float, ...]
+    padding: tuple[int, ...]
+    piece: NDArray[np.uint8]
+    polynomials: Array
+    nodes: Array
     ghosts: Integers
     kind: tuple[float, ...]
-    least_squares: bool
     half: float
     stretched: bool
 
 
-class Particles(NamedTuple):
-    """Place in the order of the problem (P,), X, x [m] and v at t^{n-1/2} [m/s] (P, d), B [m^2/s] and F [1] (P, d d).
+def grid_of(axes: tuple[Axis, ...], h: float, basis: Basis, ghosts: Integers, half: float, stretched: bool) -> Grid:
+    """Grid of these axes; the other parameters as of `Grid`."""
+    counts = [len(axis.nodes) for axis in axes]
+    nodes = np.zeros((len(axes), max(counts) + 1))  # behind the last one there is room for a lane that is not used
+    piece = np.zeros((len(axes), max(axis.cells for axis in axes)), dtype=np.uint8)
+    before = 0
+    for k, axis in enumerate(axes):
+        nodes[k, : counts[k]], piece[k, : axis.cells] = axis.nodes, axis.piece + before
+        before += len(axis.polynomials)
+    return Grid(
+        tuple(axis.lower for axis in axes),
+        1 / h,
+        tuple(axis.cells for axis in axes),
+        tuple(axis.periodic for axis in axes),
+        tuple(math.prod(counts[:k]) for k in range(len(counts))),
+        (0.0,) * basis.width,
+        tuple(axis.padding for axis in axes),
+        piece,
+        np.concatenate([axis.polynomials for axis in axes]),
+        nodes,
+        ghosts,
+        basis.kind,
+        half,
+        stretched,
+    )
 
-    sigma [Pa] (P, d (d + 1)/2), m [kg] (P,) and V0 [m^d] (P,). B is (0,) when the transfer keeps none, which numba sees.
+
+class Columns(NamedTuple):
+    """First column of what makes up the state of a particle; x [m] comes first.
+
+    v at t^{n-1/2} [m/s], F [1], sigma [Pa], m [kg], V0 [m^d], and B [m^2/s], or B D^-1 [1/s], where the transfer keeps one.
+    """
+
+    velocity: int
+    F: int
+    stress: int
+    mass: int
+    volume: int
+    affine: int
+
+
+def columns_like(zero: Vector) -> Columns:
+    """Columns of the state in as many dimensions as a vector has."""
+    d = len(zero)
+    stress = 2 * d + d * d
+    mass = stress + d * (d + 1) // 2
+    return Columns(d, 2 * d, stress, mass, mass + 1, mass + 2)
+
+
+columns_of = jit(columns_like)
+"""The same within a pass."""
+
+
+class Particles(NamedTuple):
+    """Place in the order of the problem (P,), X in that order [m] (P, d), and the state (P, K), a row of which is read at once.
+
+    See `Columns`; the properties are views.
     """
 
     place: Integers
     reference: Array
-    position: Array
-    velocity: Array
-    affine: Array
-    F: Array
-    stress: Array
-    mass: Array
-    volume: Array
+    state: Array
+
+    def _part(self, first: int, count: int) -> Array:
+        return self.state[:, first : first + count]
+
+    @property
+    def _columns(self) -> Columns:
+        return columns_like((0.0,) * self.reference.shape[1])
+
+    @property
+    def position(self) -> Array:
+        return self._part(0, self.reference.shape[1])
+
+    @property
+    def velocity(self) -> Array:
+        return self._part(self._columns.velocity, self.reference.shape[1])
+
+    @property
+    def F(self) -> Array:  # noqa: N802 (the field writes it so)
+        return self._part(self._columns.F, self.reference.shape[1] ** 2)
+
+    @property
+    def stress(self) -> Array:
+        return self.state[:, self._columns.stress : self._columns.mass]
+
+    @property
+    def mass(self) -> Array:
+        return self.state[:, self._columns.mass]
+
+    @property
+    def volume(self) -> Array:
+        return self.state[:, self._columns.volume]
+
+    @property
+    def affine(self) -> Array:
+        return self.state[:, self._columns.affine :]
+
+
+def nodal(components: int, count: int) -> Array:
+    """Zero at the nodes (components, count), with room behind the last one for the lane that a stencil of three does not use."""
+    return np.zeros(components * count + 1)[:-1].reshape(components, count)
 
 
 class Nodes(NamedTuple):
-    """m_I and p_I in one array (n, 1 + d) [kg, kg m/s]; the others (n, d).
+    """m_I and p_I in one array (1 + d, n) [kg, kg m/s]; the others (d, n).
 
     v_I, v_I of the momentum projected again or the correction of XPIC [m/s], a_I [m/s^2], internal and external f_I [N], and a term
     of the series of XPIC and FMPM [m/s or m/s^2].
@@ -109,11 +206,12 @@ class Outputs(NamedTuple):
 
 
 class Histories(NamedTuple):
-    """Arrays (N + 1, d) of momentum and impulse, angular momentum (N + 1, 0, 1 or 3), and (N + 1,) of the other synchronous sums.
+    """Steps that are recorded (R,); momentum and impulse (R, d), angular momentum (R, 0, 1 or 3), and (R,) of the other synchronous sums.
 
     Per unit of the area or length that is left out in less than three dimensions.
     """
 
+    step: Integers
     momentum: Array
     impulse: Array
     angular_momentum: Array

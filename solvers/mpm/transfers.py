@@ -18,7 +18,7 @@ class Transfer:
     name : str
     flip : float
         Share of the increment of velocity (FLIP), the rest is the velocity itself (PIC) [1].
-    affine : int
+    affine : tuple of float
         What of the velocity's variation about a particle it keeps: nothing, its moment or its gradient.
     terms : int
         k of the series sum_{j < k} (I - S^+ S)^j that takes back what PIC smooths: S from nodes to particles, S^+ back.
@@ -33,7 +33,7 @@ class Transfer:
 
     name: str
     flip: float
-    affine: int = NO_AFFINE
+    affine: tuple[float, ...] = NO_AFFINE
     terms: int = 1
     full_mass: bool = False
 

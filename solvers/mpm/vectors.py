@@ -1,34 +1,9 @@
-"""Vectors and rows of arrays as tuples of floats; numba knows their length and drops the branches of the others."""
-
-from mpmverify.problem import Array
+"""Vectors as tuples of floats; numba knows their length and drops the branches of the others."""
 
 from .compilation import jit
 
 Vector = tuple[float, ...]
-
-
-@jit
-def row(array: Array, p: int, like: Vector) -> Vector:
-    """Row p of an array (P, n), n the length of `like`."""
-    if len(like) == 1:
-        return (array[p, 0],)
-    if len(like) == 2:
-        return (array[p, 0], array[p, 1])
-    if len(like) == 3:
-        return (array[p, 0], array[p, 1], array[p, 2])
-    if len(like) == 4:
-        return (array[p, 0], array[p, 1], array[p, 2], array[p, 3])
-    first, second = (array[p, 0], array[p, 1], array[p, 2]), (array[p, 3], array[p, 4], array[p, 5])
-    if len(like) == 6:
-        return (*first, *second)
-    return (*first, *second, array[p, 6], array[p, 7], array[p, 8])
-
-
-@jit
-def store(array: Array, p: int, values: Vector) -> None:
-    """Write row p of an array (P, n)."""
-    for c in range(len(values)):
-        array[p, c] = values[c]
+TINY = 1e-200
 
 
 @jit
@@ -124,6 +99,16 @@ def constant(a: float, like: Vector) -> Vector:
     if len(like) == 2:
         return (a, a)
     return (a, a, a)
+
+
+@jit
+def quotient(a: float, x: Vector) -> Vector:
+    """Each a/x; nothing of nothing, at x = 0."""
+    if len(x) == 1:
+        return (a / max(x[0], TINY),)
+    if len(x) == 2:
+        return (a / max(x[0], TINY), a / max(x[1], TINY))
+    return (a / max(x[0], TINY), a / max(x[1], TINY), a / max(x[2], TINY))
 
 
 @jit

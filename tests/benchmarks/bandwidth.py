@@ -26,10 +26,10 @@ LEAN = 208
 def bytes_of_step(dimension: int) -> tuple[int, int]:
     """Bytes that linear USL with FLIP moves for a particle and step, in each pass: read to the grid, read and written from it.
 
-    To the grid: x, v, F, sigma, m and V. To the particle: x, v, F and sigma there and back, m and V.
+    The state x, v, F, sigma, m and V lies in one row, so that all of it comes and goes with its cache lines.
     """
-    state = 2 * dimension + dimension**2 + dimension * (dimension + 1) // 2
-    return DOUBLE * (state + 2), DOUBLE * (2 * state + 2)
+    state = 2 * dimension + dimension**2 + dimension * (dimension + 1) // 2 + 2
+    return DOUBLE * state, 2 * DOUBLE * state
 
 
 @numba.njit(parallel=True)
