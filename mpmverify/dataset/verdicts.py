@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from mpmverify import baseline as regression
-from mpmverify.criteria import Stall, Unstable
+from mpmverify.criteria import StabilityLimit, Stall, Unstable
 from mpmverify.dataset.criteria import criteria, with_criteria
 from mpmverify.dataset.evidence import evidence, series_of
 from mpmverify.dataset.sources import with_sources
@@ -24,15 +24,16 @@ from mpmverify.study import Study
 
 
 def without_baseline(criteria: Iterable[Criterion]) -> bool:
-    """Whether a series is known to stall or to become unstable, so that it has no regression verdict."""
-    return any(isinstance(criterion, Stall | Unstable) for criterion in criteria)
+    """Whether a series is known to stall, to become unstable or to be at the limit, so that it has no regression verdict."""
+    return any(isinstance(criterion, Stall | Unstable | StabilityLimit) for criterion in criteria)
 
 
 def judged(tree: xr.DataTree, baseline: regression.Baseline) -> xr.DataTree:
     """Return a study's tree with its fits and verdicts made anew: verification by its criteria, regression by the baseline.
 
     A series that is known to stall has no regression verdict: where particles cross cells the error is noise, and the last
-    digits of another compiler are enough to change the first ones. One that is unstable has no error.
+    digits of another compiler are enough to change the first ones. One that is unstable has no error, and at the limit of stability
+    rounding decides how far a wave has grown.
 
     Raises
     ------
