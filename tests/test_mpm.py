@@ -455,3 +455,37 @@ def test_the_number_of_threads_does_not_change_a_digit(schedule, monkeypatch):
         assert np.array_equal(several.arrays()[name], values), name
         # Compiled for threads or not, sums and products are contracted as the compiler likes.
         assert values == pytest.approx(serial.arrays()[name], abs=1e-11 * np.abs(values).max())
+
+
+# Histories
+
+
+@pytest.mark.parametrize("every", [3, 7, 1000])
+@pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
+def test_histories_of_every_few_steps_are_those_of_all_and_hold_the_first_and_the_last(schedule, every):
+    problem = replace(axial_vibration(v0=1e-2).problem, material=LinearElastic(1.0, 1.0))
+    level, each = Discretisation(problem.lengths[0] / 10, 0.3, 2), MaterialPoint(schedule)
+    full, some = each.solve(problem, level), replace(each, record_every=every).solve(problem, level)
+    steps = full.work.steps
+    kept = sorted({*range(0, steps + 1, every), steps})
+    assert full.histories.keys() == some.histories.keys()
+    for name, values in full.histories.items():
+        assert np.array_equal(some.histories[name], values[kept]), name
+    for name, values in full.fields.items():
+        assert np.array_equal(some.fields[name], values), name
+
+
+def test_a_run_that_is_not_recorded_when_it_fails_keeps_what_was():
+    problem = replace(axial_vibration(v0=1e-2).problem, end_time=200.0)
+    for formulation, status in (("updated", Status.NON_FINITE), ("total", Status.UNSTABLE)):
+        variant = MaterialPoint("USL", formulation=formulation, record_every=50)
+        solution = variant.solve(problem, Discretisation(problem.lengths[0] / 10, 1.3, 2))
+        assert solution.outcome.status is status
+        assert np.isfinite(solution.histories["kinetic_energy"][:-1]).all()
+        assert (np.diff(solution.histories["time"]) > 0).all()
+
+
+@pytest.mark.parametrize("every", [0, -1, 2.0, "all"])
+def test_a_number_of_steps_between_records_that_is_none_is_refused(every):
+    with pytest.raises(UsageError, match="every"):
+        MaterialPoint(record_every=every)
