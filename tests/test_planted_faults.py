@@ -111,6 +111,7 @@ MPM_HOOKE = "return shifted(lame * trace(eps), 2 * shear, eps)"
 MPM_NEO_HOOKEAN_STRESS = "return shifted((lame * log(J) - shear) / J, shear / J, b)"
 MPM_STRAINED = "F, sigma, heat, strained = strain(scheme, sigma, F, V0, scale(dt, gradient), dt)"
 MPM_NO_DT = "F, sigma, heat, strained = strain(scheme, sigma, F, V0, gradient, dt)"
+MPM_STORED = "sums[STRAIN] += stored_energy(scheme, sigma, F, V0)"
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 TG_MODULUS = "-(material.lame_lambda + 2 * material.shear_modulus)"
 TG_FLUX = "                    R[i, k] -= dt * contour\n"
@@ -318,7 +319,7 @@ FAULTS = (
     ),
     Fault(
         "strain-energy-of-the-neighbouring-volume",
-        (Edit(MPM_PASSES, "(det(F) if current", "(det(row(particles.F, p - 1, tensor)) if current"),),
+        (Edit(MPM_PASSES, MPM_STORED, MPM_STORED.replace("F,", "row(particles.state, (max(p - 1, 0), column.F), tensor),")),),
         (Kill(MPM_PULSE, FAIL, "mass, momentum, kinetic_energy, strain_energy summed"),),
         keeps_orders=True,
     ),

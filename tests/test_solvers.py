@@ -470,7 +470,7 @@ def test_a_cell_size_that_does_not_divide_the_body_is_misuse(solver: Solver) -> 
 # Sources: a solver never sees its answer
 
 CORE = {"mpmverify.errors", "mpmverify.material", "mpmverify.problem", "mpmverify.solution"}
-LIBRARIES = {"numpy", "numba", "scipy"}
+LIBRARIES = {"numpy", "numba", "llvmlite", "scipy"}
 FOLDER = Path(mpmverify.solvers.__file__).parent
 SOURCES = sorted(FOLDER.rglob("*.py"))
 

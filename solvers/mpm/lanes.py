@@ -1,7 +1,7 @@
 """Values that lie side by side in memory: as a tuple, or as lanes, the doubles of one register of the processor.
 
-A stencil is a few rows of nodes that lie side by side in memory. LLVM does not find that out by itself; told so, it needs a half to a
-quarter of the instructions. Sums, differences and products of lanes with lanes and numbers, and the functions below, are for compiled code alone.
+A stencil is a few rows of nodes that lie side by side, which LLVM does not find out by itself. Sums, differences and products of lanes
+with lanes and numbers, and the functions below, are for compiled code alone.
 """
 
 import operator
@@ -10,9 +10,9 @@ from typing import Any, cast
 
 from llvmlite import ir
 from numba.core import cgutils, types
-from numba.core.extending import intrinsic as numba_intrinsic
-from numba.core.extending import lower_builtin, models, register_model
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic as numba_intrinsic
+from numba.extending import lower_builtin, models, register_model
 from numba.np.arrayobj import make_array
 
 # What numba calls while it compiles has types of its own.

@@ -45,8 +45,9 @@ def strips(lower: float, h: float, rows: int, width: int, particles: int, moving
     Notes
     -----
     Strips are worked on at the same time when they are of one colour, each second one. A particle may have left its strip by a
-    row, and touches the nodes of `width` rows from its own: between two strips of a colour lie width + 1 rows. Where functions stay
-    with their material points (`moving` false), particles do not leave their strips.
+    row, and touches the nodes of `width` rows from its own, in the lane that a stencil of three does not use by adding zero: between
+    two strips of a colour lie width + 1 rows. Where functions stay with their material points (`moving` false), particles do not
+    leave their strips.
     """
     count = min(MOST_STRIPS, rows // (width + 1)) // 2 * 2 if particles >= LARGE else 1
     count = max(count, 1)

@@ -25,7 +25,7 @@ from mpmverify.problem import (
 from mpmverify.solution import Outcome, Solution, Status, Work
 
 from . import loop, passes
-from .basis import BASES, MLS, SPLINES, Axis, basis_axis
+from .basis import BASES, CPDI, GIMP, MLS, SPLINES, Axis, basis_axis
 from .constitution import LAWS, constitution
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
 from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSORTED, UNSTABLE, by_component, no_histories
@@ -279,7 +279,10 @@ class MaterialPoint:
 
     def _strips(self, problem: Problem, at: Discretisation, grid: Grid, count: int) -> Strips:
         rows, moving = at.cells(problem)[-1], self.formulation == "updated"
-        reach = {2: 2, 3: 4, 4: 4}[len(grid.width)] if grid.kind in (SPLINES, MLS) else 4  # in lanes
+        lanes = 2 if len(grid.width) == 2 else 4
+        reach = {GIMP: lanes + 1, CPDI: lanes + 2}.get(
+            grid.kind, lanes
+        )  # a domain begins a row before the cell of its particle
         return strips(grid.lower[-1], at.h, rows, reach, count, moving)
 
     def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:

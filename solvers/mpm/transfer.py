@@ -29,7 +29,7 @@ def spread(grid: Grid, nodes, component, at, amount):
 
 @jit
 def spread_tensor(grid: Grid, nodes, component, at, T):
-    """Particle to grid: a_I += sum_k T_k dN_Ip/dx_k, T_k the components of a tensor, into the rows from `component` on."""
+    """Particle to grid: a_I += sum_k T_k dN_Ip/dx_k, T_k the columns of a tensor, into the rows from `component` on."""
     if len(at) == 4:
         spread_field(grid, nodes, component, at[0], at[1], at[2], null(at[3])[0], T)
     else:
@@ -52,7 +52,7 @@ def gather(grid: Grid, nodes, at):
 
 @jit
 def gather_tensor(grid: Grid, nodes, at):
-    """Grid to particle: the tensor with rows c and components k, sum_I a_Ic dN_Ip/dx_k, row-major."""
+    """Grid to particle: the tensor with rows c and columns k, sum_I a_Ic dN_Ip/dx_k, row-major."""
     if len(at) == 4:
         return gather_gradients(grid, nodes, at[0], at[1], at[2])
     _, mean, _ = null(grid.lower)
