@@ -71,7 +71,7 @@ def transported(problem: Problem, discretisation: Discretisation, error: float) 
     h, time = discretisation.h, np.linspace(0, problem.end_time, 5)
     centres = (np.arange(cells)[:, None] + 0.5) * h
     # The studies of these solvers carry a scalar: their material has a velocity.
-    carried = [problem.initial_field("u", centres - problem.material.velocity * t) for t in time]  # type: ignore[union-attr]
+    carried = [problem.initial_field("u", centres - problem.material.velocity * t) for t in time]
     return Solution(
         time=time,
         dt=dt,

@@ -96,7 +96,7 @@ def lift(X: Array, t: Array) -> Array:
 
 def bar(left: BoundaryCondition, right: BoundaryCondition, **choices: object) -> Problem:
     # The choices are fields of a problem, each of a type of its own.
-    return Problem("bar", (LOWER,), (UPPER,), BAR, {"x-": left, "x+": right}, END_TIME, **choices)  # type: ignore[arg-type]
+    return Problem("bar", (LOWER,), (UPPER,), BAR, {"x-": left, "x+": right}, END_TIME, **choices)
 
 
 PULLED = bar(Velocity(), Traction(Constant(PULL)), initial={"velocity": swing}, body_force=drift, outputs=8)
@@ -343,7 +343,7 @@ def test_a_solver_is_a_frozen_value(solver: Solver) -> None:
     assert hash(again) == hash(solver)
     assert again.name == solver.name
     # A solver is a frozen dataclass, which its protocol cannot say.
-    for field in dataclasses.fields(solver):  # type: ignore[arg-type]
+    for field in dataclasses.fields(solver):
         with pytest.raises(dataclasses.FrozenInstanceError):
             setattr(solver, field.name, getattr(solver, field.name))
 
