@@ -3,6 +3,7 @@
 import ast
 import dataclasses
 import math
+import multiprocessing.util
 import os
 import tempfile
 import time
@@ -410,6 +411,7 @@ def test_a_fault_that_is_ended_at_its_limit_leaves_nothing_behind(tmp_path, monk
     monkeypatch.setattr(session, "NAMED", (Fault("taylor_galerkin", "named", "hung", (hung,)),))
     scratch = tmp_path / "scratch"
     scratch.mkdir()
+    multiprocessing.util.get_temp_dir()  # of this process, made once: the address of a server of processes must be short
     monkeypatch.setattr(tempfile, "tempdir", str(scratch))
     test = session.Session(Results(tmp_path), studies.get, SOURCES, Baseline(tmp_path / "none"), timeout=1.0).run()
     assert [(fault.fate, fault.reason) for fault in test.faults] == [(Fate.BROKEN, "no result within 1 s of processor time")]
