@@ -453,8 +453,9 @@ def test_the_number_of_threads_does_not_change_a_digit(schedule, monkeypatch):
         numba.set_num_threads(all_threads)
     for name, values in one.arrays().items():
         assert np.array_equal(several.arrays()[name], values), name
-        # Compiled for threads or not, sums and products are contracted as the compiler likes.
-        assert values == pytest.approx(serial.arrays()[name], abs=1e-11 * np.abs(values).max())
+        # Compiled for threads or not, sums and products are contracted as the compiler likes; momenta add up to nothing, but for that.
+        size = 0.1 if "momentum" in name else np.abs(values).max()
+        assert values == pytest.approx(serial.arrays()[name], abs=1e-11 * size), name
 
 
 # Histories

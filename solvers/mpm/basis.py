@@ -10,7 +10,8 @@ from scipy.interpolate import BSpline
 from mpmverify.problem import Array
 
 from .compilation import jit
-from .lanes import lanes, load, row, total
+from .lanes import axpy, by_components, dot, largest, less, scale
+from .memory import row
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -53,7 +54,7 @@ ONE = (0,)
 class Axis(NamedTuple):
     """Basis along one axis with C cells and functions of width W (as many live on a cell).
 
-    Lower end [m], number of cells, whether its ends are joined, piece of each cell (C,), polynomials (pieces, powers, lanes) in the local
+    Lower end [m], number of cells, whether its ends are joined, piece of each cell (C,), polynomials (pieces, powers, W) in the local
     coordinate, lowest power first, and the nodes at which sum_I x_I N_I(x) = x [m]: C + W - 1, and `padding` more at each end for
     particles whose domain reaches beyond it.
     """
@@ -117,58 +118,43 @@ def basis_axis(basis: Basis, lower: float, h: float, cells: int, periodic: bool 
 
 
 def _polynomials(knots: Array, degree: int) -> Array:
-    """Taylor coefficients (powers, lanes) about the left end of the middle span."""
+    """Taylor coefficients (powers, W) about the left end of the middle span."""
     functions = BSpline(knots, np.eye(degree + 1), degree)
-    powers = np.array([functions(0.0, nu=power) / math.factorial(power) for power in range(degree + 1)])
-    return np.pad(powers, ((0, 0), (0, degree == 2)))  # for the fourth lane
+    return np.array([functions(0.0, nu=power) / math.factorial(power) for power in range(degree + 1)])
 
 
 @jit
-def along(width, grid, k, s):
-    """First function, lanes of N [1] and dN/dx [1/m] at s cells from the lower end of axis k."""
-    cell = min(int(s), grid.cells[k] - 1)
-    xi = s - cell
+def along(width, grid, k, cell, xi):
+    """N [1] and dN/dx [1/m] at xi from the left end of a cell of axis k (W,)."""
     if len(width) == 2:
-        return cell, lanes((1 - xi, xi)), lanes((-grid.scale, grid.scale))
-    c, piece, power = grid.polynomials, row(grid.piece, (k, cell), ONE)[0], len(width) - 1
-    dN = load(c, (piece, power, 0), width)
-    N = load(c, (piece, power - 1, 0), width) + xi * dN
-    for j in range(power - 2, -1, -1):
-        dN = N + xi * dN
-        N = load(c, (piece, j, 0), width) + xi * N
-    return cell, N, grid.scale * dN
+        return (1 - xi, xi), (-grid.scale, grid.scale)
+    c, piece = grid.polynomials, row(grid.piece, (k, cell), ONE)[0]
+    c0, c1, c2 = row(c, (piece, 0, 0), width), row(c, (piece, 1, 0), width), row(c, (piece, 2, 0), width)
+    if len(width) == 3:
+        inner = axpy(xi, c2, c1)
+        return axpy(xi, inner, c0), scale(grid.scale, axpy(xi, c2, inner))
+    c3 = row(c, (piece, 3, 0), width)
+    highest = axpy(xi, c3, c2)
+    inner = axpy(xi, highest, c1)
+    return axpy(xi, inner, c0), scale(grid.scale, axpy(xi, axpy(xi, c3, highest), inner))
 
 
 @jit
-def hat_along(grid, k, s):
-    """First function and lanes of N [1] of the hats at s cells from the lower end of axis k, which may lie in the padding."""
-    cell = min(int(s + grid.padding[k]), grid.cells[k] + 2 * grid.padding[k] - 1)
-    xi = s + grid.padding[k] - cell
-    return cell, lanes((1 - xi, xi))
-
-
-@jit
-def integrated_along(grid, k, s, half):
-    """First function, lanes of N [1] and dN/dx [1/m] of three hats that are averaged from s - half to s + half, at most a cell apart.
+def integrated_along(grid, a, half):
+    """N [1] and dN/dx [1/m] (3,) of three hats that are averaged from a to a + 2 half, at most a cell apart, a from the first node.
 
     N = int hat dx/(2 half), and dN/dx is the difference of the hat at both ends, over 2 half.
     """
-    a = s - half + grid.padding[k]
-    if grid.periodic[k] and a < 0:
-        a += grid.cells[k]
-    cell = int(a)
-    a -= cell
     b = a + 2 * half
-    beyond, rest, left = max(b - 1, 0.0), max(1 - b, 0.0), 1 - a
+    beyond, rest, left = largest(b - 1, 0.0), largest(1 - b, 0.0), 1 - a
     N0, N2, factor = 0.25 * (left * left - rest * rest) / half, 0.25 * beyond * beyond / half, 0.5 * grid.scale / half
     d0, d2 = factor * (rest - left), factor * beyond
-    return cell, lanes((N0, 1 - N0 - N2, N2)), lanes((d0, -d0 - d2, d2))
+    return (N0, 1 - N0 - N2, N2), (d0, -d0 - d2, d2)
 
 
 @jit
-def moment_along(grid, k, first, s, N):
-    """Lanes of N (x_I - x) [m] and D = sum_I N (x_I - x)^2 [m^2] along axis k."""
-    around = grid.cells[k] if grid.periodic[k] and first > s else 0
-    from_here = load(grid.nodes, (k, first), N) - (grid.lower[k] + (s + around) / grid.scale)
-    moment = N * from_here
-    return moment, total(moment * from_here)
+def moment_along(grid, k, first, place, N):
+    """N (x_I - x) (W,) and D = sum_I N (x_I - x)^2 along axis k, in cells, at a place in cells from the lower end."""
+    from_here = less(row(grid.nodes, (k, first), N), place)
+    moment = by_components(N, from_here)
+    return moment, dot(moment, from_here)

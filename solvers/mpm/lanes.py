@@ -1,11 +1,12 @@
-"""Values that lie side by side in memory: as a tuple, or as lanes, the doubles of one register of the processor.
+"""Lanes: the doubles of one register, one for each of four particles whose stencil is the same.
 
-A stencil is a few rows of nodes that lie side by side, which LLVM does not find out by itself. Sums, differences and products of lanes
-with lanes and numbers, and the functions below, are for compiled code alone.
+What the passes compute with is a number for one particle, or lanes for four: functions of tuples of either take both. LLVM does not find
+this out by itself. All here is for compiled code alone.
 """
 
 import operator
 from collections.abc import Callable
+from functools import partial, reduce
 from typing import Any, cast
 
 from llvmlite import ir
@@ -13,39 +14,49 @@ from numba.core import cgutils, types
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic as numba_intrinsic
 from numba.extending import lower_builtin, models, register_model
-from numba.np.arrayobj import make_array
 
 # What numba calls while it compiles has types of its own.
 # mypy: disable-error-code="no-untyped-def"
 
 intrinsic = cast(Callable[[Callable[..., Any]], Callable[..., Any]], numba_intrinsic)
 """A function that is called without the first of its arguments, and makes the code of its call itself."""
+COUNT = 4
+"""Lanes of a register."""
 
 
 class Lanes(types.Type):
     """Doubles that are computed with at the same time."""
 
-    def __init__(self, count: int) -> None:
-        self.count = count
-        super().__init__(name=f"Lanes({count})")
+    def __init__(self) -> None:
+        super().__init__(name="Lanes")
+
+
+LANES = Lanes()
+VECTOR = ir.VectorType(ir.DoubleType(), COUNT)
 
 
 @register_model(Lanes)
 class _Model(models.PrimitiveModel):
     def __init__(self, manager, lanes: Lanes) -> None:
-        super().__init__(manager, lanes, ir.VectorType(ir.DoubleType(), lanes.count))
+        super().__init__(manager, lanes, VECTOR)
 
 
-def _lanes_of(values: types.UniTuple | Lanes) -> int:
-    """Lanes for so many values: four for three, which LLVM would load and store in two parts."""
-    return 4 if values.count == 3 else values.count
+def shuffled(builder: ir.IRBuilder, a: ir.Value, b: ir.Value, numbers: list[int]) -> ir.Value:
+    """Lanes of two registers by number, those of the second counted on."""
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(cgutils.int32_t, len(numbers)), numbers))
 
 
-def _splat(builder: ir.IRBuilder, value: ir.Value, count: int) -> ir.Value:
-    """As many times one double."""
-    vector = ir.VectorType(value.type, count)
-    one = builder.insert_element(ir.Constant(vector, ir.Undefined), value, cgutils.int32_t(0))
-    return builder.shuffle_vector(one, one, ir.Constant(ir.VectorType(cgutils.int32_t, count), [0] * count))
+def splat(builder: ir.IRBuilder, value: ir.Value) -> ir.Value:
+    """A double in every lane; lanes as they are."""
+    if value.type == VECTOR:
+        return value
+    one = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), value, cgutils.int32_t(0))
+    return shuffled(builder, one, one, [0] * COUNT)
+
+
+def both(builder: ir.IRBuilder, *values: ir.Value) -> list[ir.Value]:
+    """Values of one type, lanes if one of them is."""
+    return [splat(builder, value) for value in values] if any(value.type == VECTOR for value in values) else list(values)
 
 
 def _arithmetic(operation: Callable[..., Any], instruction: str) -> None:
@@ -54,143 +65,260 @@ def _arithmetic(operation: Callable[..., Any], instruction: str) -> None:
     @infer_global(operation)
     class _Template(AbstractTemplate):
         def generic(self, args, kws):
-            if len(args) == 2 and any(isinstance(arg, Lanes) for arg in args):
-                both = args[0] if isinstance(args[0], Lanes) else args[1]
-                if all(arg in (both, types.float64) for arg in args):
-                    return signature(both, *args)
-            return None
+            fitting = len(args) == 2 and LANES in args and all(arg == LANES or isinstance(arg, types.Number) for arg in args)
+            return signature(LANES, *(arg if arg == LANES else types.float64 for arg in args)) if fitting else None
 
     @lower_builtin(operation, Lanes, Lanes)
     @lower_builtin(operation, types.Float, Lanes)
     @lower_builtin(operation, Lanes, types.Float)
     def _lanewise(context, builder, sig, args):
-        values = (
-            value if isinstance(kind, Lanes) else _splat(builder, value, sig.return_type.count)
-            for kind, value in zip(sig.args, args, strict=True)
-        )
-        return getattr(builder, instruction)(*values)
+        return getattr(builder, instruction)(*both(builder, *args))
 
 
 _arithmetic(operator.add, "fadd")
 _arithmetic(operator.sub, "fsub")
 _arithmetic(operator.mul, "fmul")
+_arithmetic(operator.truediv, "fdiv")
 
 
-def _address(context, builder, array, value, indices) -> ir.Value:
-    """Address of what is stored from an index on."""
-    struct = make_array(array)(context, builder, value)
-    shape, strides = cgutils.unpack_tuple(builder, struct.shape), cgutils.unpack_tuple(builder, struct.strides)
-    return cgutils.get_item_pointer2(context, builder, struct.data, shape, strides, "C", indices)
-
-
-def _read(builder, address, count) -> ir.Value:
-    vector = ir.VectorType(ir.DoubleType(), count).as_pointer()
-    return builder.load(builder.bitcast(address, vector), align=8)
-
-
-def _indices(context, builder, index, values):
-    """Index values as machine integers."""
-    return [context.cast(builder, value, type, types.intp) for type, value in zip(index, values, strict=True)]
-
-
-@intrinsic
-def load(typingctx, array, index, like):
-    """The values from array[index] on in as many lanes as a stencil of the width of `like` takes: neighbours along the last axis."""
-    count = _lanes_of(like)
-
-    def code(context, builder, sig, args):
-        values = _indices(context, builder, index, cgutils.unpack_tuple(builder, args[1]))
-        return _read(builder, _address(context, builder, array, args[0], values), count)
-
-    return Lanes(count)(array, index, like), code
-
-
-@intrinsic
-def add_to(typingctx, array, index, lanes):
-    """Add lanes to the values from array[index] on."""
-
-    def code(context, builder, sig, args):
-        values = _indices(context, builder, index, cgutils.unpack_tuple(builder, args[1]))
-        address = _address(context, builder, array, args[0], values)
-        total = builder.fadd(_read(builder, address, lanes.count), args[2])
-        builder.store(total, builder.bitcast(address, total.type.as_pointer()), align=8)
-        return context.get_dummy_value()
-
-    return types.void(array, index, lanes), code
-
-
-@intrinsic
-def row(typingctx, array, index, like):
-    """The values from array[index] on as a tuple, as many as `like` has; no index counts from the end, which costs a test."""
-    found = types.UniTuple(array.dtype, like.count)
-
-    def code(context, builder, sig, args):
-        values = _indices(context, builder, index, cgutils.unpack_tuple(builder, args[1]))
-        address = _address(context, builder, array, args[0], values)
-        items = [builder.load(builder.gep(address, [context.get_constant(types.intp, k)])) for k in range(like.count)]
-        return context.make_tuple(builder, found, items)
-
-    return found(array, index, like), code
-
-
-@intrinsic
-def store(typingctx, array, index, values):
-    """Write a tuple to array[index] and on."""
-
-    def code(context, builder, sig, args):
-        at = _indices(context, builder, index, cgutils.unpack_tuple(builder, args[1]))
-        address = _address(context, builder, array, args[0], at)
-        for k, value in enumerate(cgutils.unpack_tuple(builder, args[2])):
-            builder.store(value, builder.gep(address, [context.get_constant(types.intp, k)]))
-        return context.get_dummy_value()
-
-    return types.void(array, index, values), code
-
-
-@intrinsic
-def lanes(typingctx, values):
-    """A tuple of floats as lanes; zero where there is none."""
-    count = _lanes_of(values)
-
-    def code(context, builder, sig, args):
-        vector = ir.Constant(ir.VectorType(ir.DoubleType(), count), [0.0] * count)
-        for k, value in enumerate(cgutils.unpack_tuple(builder, args[0])):
-            vector = builder.insert_element(vector, value, cgutils.int32_t(k))
-        return vector
-
-    return Lanes(count)(values), code
-
-
-@intrinsic
-def lane(typingctx, values, k):
-    """Value number k."""
-
-    def code(context, builder, sig, args):
-        return builder.extract_element(args[0], builder.trunc(context.cast(builder, args[1], k, types.int64), cgutils.int32_t))
-
-    return types.float64(values, k), code
-
-
-@intrinsic
-def total(typingctx, values):
-    """Sum of the values, that of the upper half added to the lower one."""
-
-    def code(context, builder, sig, args):
-        items = [builder.extract_element(args[0], cgutils.int32_t(k)) for k in range(values.count)]
-        while len(items) > 1:
-            half = (len(items) + 1) // 2
-            items = [builder.fadd(a, b) for a, b in zip(items, items[half:], strict=False)] + items[len(items) - half : half]
-        return items[0]
-
-    return types.float64(values), code
-
-
-@infer_global(len)
-class _Count(AbstractTemplate):
+@infer_global(operator.neg)
+class _Negative(AbstractTemplate):
     def generic(self, args, kws):
-        return signature(types.intp, *args) if len(args) == 1 and isinstance(args[0], Lanes) else None
+        return signature(LANES, *args) if args == (LANES,) else None
 
 
-@lower_builtin(len, Lanes)
-def _count(context, builder, sig, args):
-    return context.get_constant(types.intp, sig.args[0].count)
+@lower_builtin(operator.neg, Lanes)
+def _negative(context, builder, sig, args):
+    return builder.fneg(args[0])
+
+
+def type_for(count: int) -> types.Type:
+    """Type of a value for so many particles."""
+    return types.float64 if count == 1 else LANES
+
+
+def built(builder, items: list[ir.Value]) -> ir.Value:
+    """A value for one particle, or for four."""
+    if len(items) == 1:
+        return items[0]
+    vector = ir.Constant(VECTOR, ir.Undefined)
+    for k, item in enumerate(items):
+        vector = builder.insert_element(vector, item, cgutils.int32_t(k))
+    return vector
+
+
+def taken(builder, value: ir.Value) -> list[ir.Value]:
+    if value.type != VECTOR:
+        return [value]
+    return [builder.extract_element(value, cgutils.int32_t(k)) for k in range(COUNT)]
+
+
+@intrinsic
+def lanes(typingctx, numbers):
+    """Numbers of one particle or of four as a value."""
+
+    def code(context, builder, sig, args):
+        return built(builder, cgutils.unpack_tuple(builder, args[0]))
+
+    return type_for(numbers.count)(numbers), code
+
+
+def _floor(builder, value: ir.Value) -> ir.Value:
+    name = "llvm.floor.f64" if value.type != VECTOR else f"llvm.floor.v{COUNT}f64"
+    return builder.call(
+        cgutils.get_or_insert_function(builder.module, ir.FunctionType(value.type, [value.type]), name), [value]
+    )
+
+
+@intrinsic
+def floor(typingctx, value):
+    """The whole numbers below a value."""
+
+    def code(context, builder, sig, args):
+        return _floor(builder, args[0])
+
+    return value(value), code
+
+
+@intrinsic
+def positive(typingctx, value):
+    """Whether a value is positive for all particles, which NaN is not."""
+
+    def code(context, builder, sig, args):
+        if value != LANES:
+            return builder.fcmp_ordered(">", args[0], ir.Constant(ir.DoubleType(), 0.0))
+        above = builder.fcmp_ordered(">", args[0], ir.Constant(VECTOR, [0.0] * COUNT))
+        return builder.icmp_unsigned("==", builder.bitcast(above, ir.IntType(COUNT)), ir.IntType(COUNT)(-1))
+
+    return types.boolean(value), code
+
+
+@intrinsic
+def split(typingctx, x, inside, limits):
+    """Fractions of a vector of lanes, the whole numbers below it in the first lane (d,), and how many of the first lanes share these, none
+    negative, and lie in 0 <= inside < limits (d,); which NaN does not.
+    """
+    whole = types.UniTuple(types.intp, x.count)
+
+    def code(context, builder, sig, args):
+        fractions, firsts, alike = [], [], ir.Constant(ir.VectorType(ir.IntType(1), COUNT), [1] * COUNT)
+        for value, place, limit in zip(*unpacked(builder, args), strict=True):
+            below = _floor(builder, value)
+            first = builder.extract_element(below, cgutils.int32_t(0))
+            high = splat(builder, context.cast(builder, limit, limits.dtype, types.float64))
+            zero = ir.Constant(VECTOR, [0.0] * COUNT)
+            tests = [builder.fcmp_ordered("==", below, splat(builder, first)), builder.fcmp_ordered("<", place, high)]
+            tests += [builder.fcmp_ordered(">=", one, zero) for one in (below, place)]
+            alike = reduce(builder.and_, tests, alike)
+            fractions.append(builder.fsub(value, below))
+            firsts.append(builder.fptosi(first, ir.IntType(64)))
+        bits = builder.zext(builder.bitcast(builder.not_(alike), ir.IntType(COUNT)), cgutils.int32_t)
+        count = builder.cttz(builder.or_(bits, cgutils.int32_t(1 << COUNT)), cgutils.false_bit)
+        parts = [
+            context.make_tuple(builder, x, fractions),
+            context.make_tuple(builder, whole, firsts),
+            builder.zext(count, ir.IntType(64)),
+        ]
+        return context.make_tuple(builder, sig.return_type, parts)
+
+    return types.Tuple([x, whole, types.intp])(x, inside, limits), code
+
+
+@intrinsic
+def repeated(typingctx, vector, present):
+    """A vector of lanes, the first lane in the place of those where `present` is zero."""
+
+    def code(context, builder, sig, args):
+        there = builder.fcmp_ordered(">", args[1], ir.Constant(VECTOR, [0.0] * COUNT))
+        values = cgutils.unpack_tuple(builder, args[0])
+        kept = [builder.select(there, value, shuffled(builder, value, value, [0] * COUNT)) for value in values]
+        return context.make_tuple(builder, vector, kept)
+
+    return vector(vector, present), code
+
+
+def _extreme(predicate: str):
+    def typed(typingctx, a, b):
+        def code(context, builder, sig, args):
+            x, y = both(builder, *args)
+            return builder.select(builder.fcmp_ordered(predicate, x, y), x, y)
+
+        return (LANES if LANES in (a, b) else types.float64)(a, b), code
+
+    return intrinsic(typed)
+
+
+largest, least = _extreme(">"), _extreme("<")
+"""The larger and the smaller of two values; the second if one is not a number."""
+
+
+@intrinsic
+def lanes_of(typingctx, values, k):
+    """The numbers of particle k, of a tuple of values."""
+
+    def code(context, builder, sig, args):
+        number = builder.trunc(context.cast(builder, args[1], k, types.int64), cgutils.int32_t)
+        items = cgutils.unpack_tuple(builder, args[0])
+        taken = [builder.extract_element(item, number) if item.type == VECTOR else item for item in items]
+        return context.make_tuple(builder, sig.return_type, taken)
+
+    return types.UniTuple(types.float64, values.count)(values, k), code
+
+
+@intrinsic
+def total(typingctx, value):
+    """Sum over the particles."""
+
+    def code(context, builder, sig, args):
+        return reduce(builder.fadd, taken(builder, args[0]))
+
+    return types.float64(value), code
+
+
+# Vectors: tuples of any length.
+
+
+def times(builder, a, b):
+    """Product, or nothing if there is no factor."""
+    return None if a is None else builder.fmul(*both(builder, a, b))
+
+
+def plus(builder, a, b):
+    """Sum of those that there are."""
+    if a is None or b is None:
+        return a if b is None else b
+    return builder.fadd(*both(builder, a, b))
+
+
+def unpacked(builder, values):
+    return [cgutils.unpack_tuple(builder, value) for value in values]
+
+
+def nested(builder, value) -> list[list[ir.Value]]:
+    return [cgutils.unpack_tuple(builder, part) for part in cgutils.unpack_tuple(builder, value)]
+
+
+def as_tuple(context, builder, sig, values):
+    lanewise = sig.return_type.dtype == LANES
+    return context.make_tuple(builder, sig.return_type, [splat(builder, v) if lanewise else v for v in values])
+
+
+def _value(context, builder, kind, value):
+    return value if kind == LANES else context.cast(builder, value, kind, types.float64)
+
+
+@intrinsic
+def axpy(typingctx, a, x, y):
+    """Sum a x + y of vectors."""
+
+    def code(context, builder, sig, args):
+        factor = _value(context, builder, a, args[0])
+        pairs = zip(*unpacked(builder, args[1:]), strict=True)
+        return as_tuple(context, builder, sig, [plus(builder, times(builder, factor, p), q) for p, q in pairs])
+
+    lanewise = LANES in (a, x.dtype, y.dtype)
+    return types.UniTuple(LANES if lanewise else types.float64, x.count)(a, x, y), code
+
+
+@intrinsic
+def scale(typingctx, a, x):
+    """Product a x with a vector."""
+
+    def code(context, builder, sig, args):
+        factor = _value(context, builder, a, args[0])
+        return as_tuple(context, builder, sig, [times(builder, factor, p) for p in cgutils.unpack_tuple(builder, args[1])])
+
+    return types.UniTuple(LANES if LANES in (a, x.dtype) else types.float64, x.count)(a, x), code
+
+
+@intrinsic
+def by_components(typingctx, x, y):
+    """Products of the components of vectors."""
+
+    def code(context, builder, sig, args):
+        pairs = zip(*unpacked(builder, args), strict=True)
+        return as_tuple(context, builder, sig, [times(builder, p, q) for p, q in pairs])
+
+    return types.UniTuple(LANES if LANES in (x.dtype, y.dtype) else types.float64, x.count)(x, y), code
+
+
+@intrinsic
+def less(typingctx, x, a):
+    """Components of a vector less a value."""
+
+    def code(context, builder, sig, args):
+        items = cgutils.unpack_tuple(builder, args[0])
+        return as_tuple(context, builder, sig, [builder.fsub(*both(builder, item, args[1])) for item in items])
+
+    return types.UniTuple(LANES if LANES in (x.dtype, a) else types.float64, x.count)(x, a), code
+
+
+@intrinsic
+def dot(typingctx, x, y):
+    """Product x . y of vectors."""
+
+    def code(context, builder, sig, args):
+        pairs = zip(*unpacked(builder, args), strict=True)
+        return reduce(partial(plus, builder), [times(builder, p, q) for p, q in pairs])
+
+    return (LANES if LANES in (x.dtype, y.dtype) else types.float64)(x, y), code

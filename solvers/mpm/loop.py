@@ -7,10 +7,10 @@ from mpmverify.problem import Array
 from .compilation import SOURCES, WITHOUT_ENTRY, compiled
 from .grid import add_term, begin_series, hold_acceleration, hold_velocity, join, leapfrog, load_faces
 from .histories import COMPLETED, INVERTED, LEFT_GRID, TURNED, UNSORTED, add_up, heat_of, record_sums
-from .order import INTERVAL, Strips
-from .passes import FAILED, MUSL, STRAYED, USF, USL, record_fields
-from .state import Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme, columns_of
-from .sweeps import ACCELERATE, CLEAR, KICK, SMOOTH, STRAIN_ALONE, TO_GRID, TO_PARTICLES, VELOCITY, sweep, sweep_nodes
+from .order import ARRANGED, INTERVAL, Strips
+from .passes import MUSL, USF, USL, record_fields
+from .state import FAILED, STRAYED, Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme, columns_of
+from .sweeps import ACCELERATE, ARRANGE, CLEAR, KICK, SMOOTH, STRAIN_ALONE, TO_GRID, TO_PARTICLES, VELOCITY, sweep, sweep_nodes
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -109,6 +109,8 @@ def march(
     for n in range(begin, end):
         if strayed or (many and n - begin == INTERVAL):
             return UNSORTED, n, output
+        if n == begin or (n % ARRANGED == 0 and not scheme.total):
+            sweep(ARRANGE, scheme, grid, particles, nodes, strips, body, 0, n, dt, False, False)
         sweep_nodes(CLEAR, nodes, strips, velocity, massless, body, 0, 0.0, 0.0, nothing)
         load, forces, recorded = n - begin, scheme.schedule != USF or n == 0, histories.step[record] == n
         if sweep(TO_GRID, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, forces) == FAILED:
@@ -135,7 +137,8 @@ def march(
             refine(series, scheme, grid, particles, nodes, faces, strips, body, massless, sums, sums, 1.0, added)
         recording = outputs.step[output] == n
         if recording:
-            record_fields(scheme, grid, particles, nodes, outputs, output, n, dt)
+            first, stop = strips.particles[0], strips.particles[-1]
+            record_fields(scheme, grid, particles, nodes, outputs, output, n, dt, first, stop)
         kick, step = leapfrog(n, dt)
         sweep_nodes(KICK, nodes, strips, velocity, massless, body, 0, kick, step, power_and_force)
         add_up(scheme, histories, record, recorded, running, added, power_and_force, n, dt)
@@ -178,4 +181,4 @@ def _assembled(march: Any, of_sweep: dict[str, bool], **options: bool) -> Any:
 
 
 march_in_threads = _assembled(march, {"parallel": True}, nogil=True)
-march = _assembled(march, {})
+march = _assembled(march, {"_nrt": False}, _nrt=False)

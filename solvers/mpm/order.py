@@ -4,12 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from mpmverify.problem import Array
 
 from .compilation import ARITHMETIC, SOURCES, jit
-from .state import Grid, Integers, Particles, Scheme
-from .stencil import inside, place
+from .state import PASSED, Grid, Integers, Particles, Scheme
+from .stencil import found, inside, node_of, place
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -17,8 +18,12 @@ from .stencil import inside, place
 LARGE = 5_000
 """Fewer particles stay in one strip: they fit into the cache in any order, and threads cost more than they bring."""
 MOST_STRIPS = 16
-INTERVAL = 20
+BEYOND = 3
+"""Rows of nodes beyond a strip on either side in which the functions of its particles may begin."""
+INTERVAL = 50
 """Steps after which the particles are sorted again, though none has left its strip."""
+ARRANGED = 4
+"""Steps after which those of one stencil are brought together again in the order of the passes."""
 
 
 class Strips(NamedTuple):
@@ -27,7 +32,7 @@ class Strips(NamedTuple):
     First particle of each strip and the number of particles (S + 1,), first row of cells of each strip and the number of rows
     (S + 1,), how far its particles may go before they are sorted again (S, 2) [m], what the passes say of each strip (S,) and the
     sums that they leave; those that passes over as many parts of the nodes leave (S, 8), a cache line each, and two sums
-    of these (2, 8).
+    of these (2, 8). The first nodes of the particles (P,), and how many of a strip have each (S, C), for `arrange`.
     """
 
     particles: Integers
@@ -37,10 +42,13 @@ class Strips(NamedTuple):
     sums: Array
     nodal: Array
     total: Array
+    node: NDArray[np.int32]
+    shares: Integers
 
 
-def strips(lower: float, h: float, rows: int, width: int, particles: int, moving: bool) -> Strips:
-    """Strips for a grid of so many rows of cells: of the same length, and not so short that two of one colour could meet.
+def strips(lower: float, h: float, rows: int, width: int, particles: int, moving: bool, nodes: int = 1) -> Strips:
+    """Strips for a grid of so many rows of cells, with so many `nodes` from row to row: of the same length, and not so short that two of one
+    colour could meet.
 
     Notes
     -----
@@ -57,9 +65,40 @@ def strips(lower: float, h: float, rows: int, width: int, particles: int, moving
         limits[:] = -np.inf, np.inf
     held = np.zeros(count + 1, dtype=np.int64)
     held[1:] = particles
+    longest = int(np.diff(first).max()) + 2 * BEYOND + 1
     return Strips(
-        held, first, limits, np.ones(count, dtype=np.int64), np.zeros((count, 16)), np.zeros((count, 8)), np.zeros((2, 8))
+        held,
+        first,
+        limits,
+        np.ones(count, dtype=np.int64),
+        np.zeros((count, 16)),
+        np.zeros((count, 8)),
+        np.zeros((2, 8)),
+        np.zeros(particles, dtype=np.int32),
+        np.zeros((count, nodes * longest + 1), dtype=np.int64),
     )
+
+
+@jit
+def arrange(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, s: int, begin: int, end: int) -> int:
+    """Bring the particles of a strip from `begin` to `end` together by their first node in the order of the passes (counting sort, stable).
+
+    One that is anywhere else counts as in the first or the last row; it is the passes that look where it is.
+    """
+    node, share, order = strips.node, strips.shares[s], particles.order
+    lowest, highest = grid.stride[-1] * (strips.rows[s] - BEYOND), share.size - 2
+    for c in range(share.size):
+        share[c] = 0
+    for p in range(begin, end):
+        _, first, _ = found(grid.kind, scheme, grid, particles, p)
+        node[p] = min(max(node_of(grid, first) - lowest, 0), highest)
+        share[node[p] + 1] += 1
+    for c in range(highest + 1):
+        share[c + 1] += share[c]
+    for p in range(begin, end):
+        order[begin + share[node[p]]] = p
+        share[node[p]] += 1
+    return PASSED
 
 
 @jit
@@ -120,4 +159,6 @@ def sort(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, sourc
         order[start[cell[p]]] = p
         start[cell[p]] += 1
     permute(particles, order, np.empty(particles.state.shape[1]))
+    for p in range(count):
+        particles.order[p] = p
     return True

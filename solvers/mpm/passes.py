@@ -1,16 +1,17 @@
-"""The passes of a step over the particles from `begin` to `end`."""
+"""The passes of a step over the particles from `begin` to `end`, up to four at a time."""
 
 from mpmverify.problem import Array
 
 from .compilation import jit
 from .constitution import dissipation, finite_strain, reference_stress, strain_energy, stress, viscous
 from .grid import leapfrog
-from .lanes import row, store
-from .state import Grid, Nodes, Outputs, Particles, Scheme, columns_of
-from .stencil import domain, moments, place, support, supported
+from .lanes import axpy, dot, floor, lanes_of, positive, scale, total
+from .memory import add_field, gathered_by, row, rows, store, store_rows
+from .state import FAILED, PASSED, STRAYED, Grid, Nodes, Outputs, Particles, Scheme, columns_of
+from .stencil import Group, domain, group, moments, places, support
 from .tensors import Symmetric, Tensor, deform, det, full
-from .transfer import gather, gather_gradients, gather_tensor, spread, spread_field, spread_tensor
-from .vectors import Vector, axial, axpy, by_columns, columns, constant, cross, dot, null, quotient, scale, with_mass
+from .transfer import gather, gather_tensor, spread, spread_tensor
+from .vectors import Vector, axial, by_columns, columns, constant, cross, null, quotient, with_mass
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -20,55 +21,63 @@ NO_AFFINE, APIC, TPIC = (), (0.0,), (0.0, 0.0)
 """What of the velocity's variation about a particle is kept; their lengths tell them apart where a function is compiled."""
 KINETIC, STRAIN, HEAT, MOMENTUM = range(4)
 """Columns of the sums of a pass; the momentum takes one for each direction, and then comes the angular momentum."""
-FAILED, STRAYED, PASSED = range(3)
-"""What a pass says of its particles."""
 
 
 @jit
-def spread_inertia(kind, grid: Grid, particles: Particles, nodes: Nodes, p: int, m: float, v: Vector, s: Vector, at) -> None:
+def stencil_of(scheme: Scheme, grid: Grid, particles: Particles, p: int, end: int):
+    """The particles from p on that one stencil serves, and their support."""
+    some = group(grid.kind, scheme, grid, particles, p, end)
+    F = rows(particles.state, some.numbers, columns_of(grid.lower).F, null(grid.lower)[1])
+    return some, support(grid.kind, grid, some.first, some.offset, domain(grid.kind, grid, F))
+
+
+@jit
+def spread_inertia(kind, grid: Grid, particles: Particles, nodes: Nodes, numbers, m, v: Vector, at) -> None:
     """m_I += m_p N_Ip, and the momentum."""
     if len(kind) == 0:
         spread(grid, nodes.inertia, 0, at, with_mass(m, v))
     else:
         spread(grid, nodes.inertia, 0, at, (m,))
-        spread_momentum(kind, grid, particles, nodes, p, m, v, s, at)
+        spread_momentum(kind, grid, particles, nodes, numbers, m, v, at)
 
 
 @jit
-def spread_momentum(kind, grid: Grid, particles: Particles, nodes: Nodes, p: int, m: float, v: Vector, s: Vector, at) -> None:
+def spread_momentum(kind, grid: Grid, particles: Particles, nodes: Nodes, numbers, m, v: Vector, at) -> None:
     """p_I += m_p N_Ip [v_p + B_p D_p^-1 (x_I - x_p)], where TPIC keeps the gradient C_p = B_p D_p^-1, and v_p alone when none is kept."""
     if len(kind) == 0:
         spread(grid, nodes.inertia, 1, at, scale(m, v))
     else:
-        e, D = moments(grid, s, at)
-        kept = row(particles.state, (p, columns_of(s).affine), null(s)[1])
-        factor = constant(m, D) if len(kind) == 2 else quotient(m, D)
-        spread_field(grid, nodes.inertia, 1, at[0], at[1], e, scale(m, v), columns(kept, factor))
+        e, D = moments(grid, at[3], at[4], at[1])
+        kept = rows(particles.state, numbers, columns_of(grid.lower).affine, null(grid.lower)[1])
+        C = columns(kept, constant(m / grid.scale, D) if len(kind) == 2 else quotient(m * grid.scale, D))
+        add_field(grid, nodes.inertia, 1, at[0], at[1], e, scale(m, v), C)
 
 
 @jit
-def gather_affine(kind, grid: Grid, particles: Particles, nodes: Nodes, p: int, s: Vector, at, gradient) -> None:
-    """B_p = sum_I v_I N_Ip (x_I - x_p)^T, or the gradient for TPIC; nothing when none is kept."""
+def gather_affine(kind, grid: Grid, nodes: Nodes, at, gradient):
+    """What the transfer keeps: B_p = sum_I v_I N_Ip (x_I - x_p)^T, or the gradient for TPIC; nothing else."""
     if len(kind) == 1:
-        e, _ = moments(grid, s, at)
-        store(particles.state, (p, columns_of(s).affine), gather_gradients(grid, nodes.velocity, at[0], at[1], e))
-    elif len(kind) == 2:
-        store(particles.state, (p, columns_of(s).affine), gradient)
+        e, _ = moments(grid, at[3], at[4], at[1])
+        return scale(1 / grid.scale, gathered_by(grid, nodes.velocity, at[0], at[1], e))
+    if len(kind) == 2:
+        return gradient
+    return ()
 
 
 @jit
-def affine_spin(kind, grid: Grid, particles: Particles, p: int, s: Vector, at):
-    """Angular momentum that a particle keeps about itself, per unit of its mass; zero when no B is kept."""
+def spin_with(kind, grid: Grid, particles: Particles, numbers, at, spin: Vector):
+    """Angular momentum of particles per unit of their mass, with what they keep of it about themselves."""
     if len(kind) == 0:
-        return cross(s, null(s)[0])
-    kept = row(particles.state, (p, columns_of(s).affine), null(s)[1])
+        return spin
+    kept = rows(particles.state, numbers, columns_of(grid.lower).affine, null(grid.lower)[1])
     if len(kind) == 1:
-        return axial(kept)
-    return axial(by_columns(kept, moments(grid, s, at)[1]))
+        return axpy(1.0, spin, axial(kept))
+    D = scale(1 / (grid.scale * grid.scale), moments(grid, at[3], at[4], at[1])[1])
+    return axpy(1.0, spin, axial(by_columns(kept, D)))
 
 
 @jit
-def force_columns(scheme: Scheme, V0: float, sigma: Symmetric, F: Tensor, like: Vector):
+def force_columns(scheme: Scheme, V0, sigma: Symmetric, F: Tensor, like: Vector):
     """-V sigma by columns, or -V0 P in the total Lagrangian formulation."""
     if scheme.total:
         return columns(reference_stress(scheme.law, sigma, F), constant(-V0, like))
@@ -85,64 +94,86 @@ def particles_to_grid(
     """
     zero, tensor, symmetric = null(grid.lower)
     column = columns_of(zero)
-    for p in range(begin, end):
-        s, F = place(scheme, grid, particles, p), row(particles.state, (p, column.F), tensor)
-        shape = domain(grid.kind, grid, F)
-        if not supported(grid.kind, grid, s, shape):
+    state, p = particles.state, begin
+    while p < end:
+        some = group(grid.kind, scheme, grid, particles, p, end)
+        if some.size == 0:
             return FAILED
-        at = support(grid.kind, grid, s, shape)
-        m, V = row(particles.state, (p, column.mass), (0.0, 0.0))
-        v, sigma = row(particles.state, (p, column.velocity), zero), row(particles.state, (p, column.stress), symmetric)
-        spread_inertia(scheme.affine, grid, particles, nodes, p, m, v, s, at)
+        F = rows(state, some.numbers, column.F, tensor)
+        at = support(grid.kind, grid, some.first, some.offset, domain(grid.kind, grid, F))
+        m, V = scale(some.present, rows(state, some.numbers, column.mass, (0.0, 0.0)))
+        v, sigma = rows(state, some.numbers, column.velocity, zero), rows(state, some.numbers, column.stress, symmetric)
+        spread_inertia(scheme.affine, grid, particles, nodes, some.numbers, m, v, at)
         if forces:
             spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
         if body.shape[0] > 0 and not scheme.nodal_body:
-            b = row(body, (load, particles.place[p], 0), zero)
+            b = rows(body[load], places(particles, some.numbers), 0, zero)
             spread(grid, nodes.external, 0, at, scale(m, b))
+        p += some.size
     return PASSED
 
 
 @jit
 def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, begin: int, end: int) -> int:
     """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of the nodes, to the particles and back."""
-    zero, tensor, _ = null(grid.lower)
-    column = columns_of(zero)
-    for p in range(begin, end):
-        F, m = row(particles.state, (p, column.F), tensor), particles.state[p, column.mass]
-        at = support(grid.kind, grid, place(scheme, grid, particles, p), domain(grid.kind, grid, F))
+    p = begin
+    while p < end:
+        some, at = stencil_of(scheme, grid, particles, p, end)
+        m = some.present * rows(particles.state, some.numbers, columns_of(grid.lower).mass, (0.0,))[0]
         spread(grid, nodes.inertia, 1, at, scale(m, gather(grid, nodes.term, at)))
+        p += max(some.size, 1)
     return PASSED
 
 
 @jit
-def strain(scheme: Scheme, sigma: Symmetric, F: Tensor, V0: float, increment: Tensor, dt: float):
-    """F += dt dv/dX or F = (I + dt dv/dx) F, and the stress that the law makes of it.
+def strain(
+    scheme: Scheme, particles: Particles, p: int, some: Group, increment: Tensor, dt: float, sums: Array, zero: Vector
+) -> int:
+    """F += dt dv/dX or F = (I + dt dv/dx) F, the stress that the law makes of it, and the energy that turned into heat.
 
-    With both, whether that went well, which it does not at a law or a volume that meets J <= 0, and the energy that turned into heat.
+    The particles are those from place p of the order on. FAILED at a law or a volume that meets J <= 0.
     """
-    after, heat = axpy(1.0, increment, F) if scheme.total else deform(increment, F), 0.0
-    if viscous(scheme.law):
-        heat = V0 * (1.0 if scheme.total else det(F)) * dissipation(scheme.law, scheme.constants, sigma, increment, dt)
-    passed = det(after) > 0 or (scheme.total and not finite_strain(scheme.law))
-    return after, stress(scheme.law, scheme.constants, sigma, after, increment, dt), heat, passed
+    column, state = columns_of(zero), particles.state
+    before, sigma = rows(state, some.numbers, column.F, increment), rows(state, some.numbers, column.stress, null(zero)[2])
+    F = axpy(1.0, increment, before) if scheme.total else deform(increment, before)
+    store_rows(state, some.numbers, column.F, F)
+    if len(scheme.law) == 1:
+        store_rows(state, some.numbers, column.stress, stress(scheme.law, scheme.constants, sigma, F, increment, dt))
+    else:
+        for k in range(some.size):
+            q, F_k, sigma_k, increment_k = particles.order[p + k], lanes_of(F, k), lanes_of(sigma, k), lanes_of(increment, k)
+            if viscous(scheme.law):
+                V = state[q, column.volume] * (1.0 if scheme.total else det(lanes_of(before, k)))
+                sums[HEAT] += V * dissipation(scheme.law, scheme.constants, sigma_k, increment_k, dt)
+            store(state, (q, column.stress), stress(scheme.law, scheme.constants, sigma_k, F_k, increment_k, dt))
+    return PASSED if positive(det(F)) or (scheme.total and not finite_strain(scheme.law)) else FAILED
 
 
 @jit
-def move(grid: Grid, x: Vector, increment: Vector, limits: Array):
-    """X + dt v, and STRAYED when its last coordinate, on a periodic axis all its images, passes the limits (2,) [m]."""
-    moved = axpy(1.0, increment, x)
-    y, last = moved[-1], len(x) - 1
-    if grid.periodic[last] and not limits[0] <= y <= limits[1]:
-        length = grid.cells[last] / grid.scale
-        y -= length * ((y - limits[0]) // length)
-    return moved, PASSED if limits[0] <= y <= limits[1] else STRAYED
+def move(grid: Grid, state: Array, some: Group, increment: Vector, limits: Array) -> int:
+    """Move by x += dt v; STRAYED when a last coordinate, on a periodic axis all its images, passes the limits (2,) [m]."""
+    x = axpy(1.0, increment, rows(state, some.numbers, 0, increment))
+    store_rows(state, some.numbers, 0, x)
+    y, last = x[-1], len(increment) - 1
+    if grid.periodic[last] and not within(y, limits):
+        y = y - (grid.cells[last] / grid.scale) * floor((y - limits[0]) * (grid.scale / grid.cells[last]))
+    return PASSED if within(y, limits) else STRAYED
 
 
 @jit
-def stored_energy(scheme: Scheme, sigma: Symmetric, F: Tensor, V0: float) -> float:
+def within(y, limits: Array) -> bool:
+    """Whether values lie between limits (2,)."""
+    return positive(y - limits[0]) and positive(limits[1] - y)
+
+
+@jit
+def stored_energy(scheme: Scheme, particles: Particles, p: int, zero: Vector) -> float:
     """Strain energy of a particle."""
+    column = columns_of(zero)
+    F, sigma = row(particles.state, (p, column.F), null(zero)[1]), row(particles.state, (p, column.stress), null(zero)[2])
     current = not scheme.total and not finite_strain(scheme.law)
-    return V0 * (det(F) if current else 1.0) * strain_energy(scheme.law, scheme.constants, sigma, F)
+    J = det(F) if current else 1.0
+    return particles.state[p, column.volume] * J * strain_energy(scheme.law, scheme.constants, sigma, F)
 
 
 @jit
@@ -167,54 +198,56 @@ def grid_to_particles(
     momentum goes to the grid, which leaves both to `strain_particles`. FAILED at J <= 0, STRAYED when a particle passes the limits of
     the strip (2,) [m].
     """
-    zero, tensor, symmetric = null(grid.lower)
+    zero, _, _ = null(grid.lower)
     column = columns_of(zero)
     kick, step = leapfrog(n, dt)
-    passed, last = PASSED, MOMENTUM + len(zero)
+    passed, state, p = PASSED, particles.state, begin
     for c in range(sums.size):
         sums[c] = 0.0
-    for p in range(begin, end):
-        s, F = place(scheme, grid, particles, p), row(particles.state, (p, column.F), tensor)
-        at = support(grid.kind, grid, s, domain(grid.kind, grid, F))
-        x, before = row(particles.state, (p, 0), zero), row(particles.state, (p, column.velocity), zero)
-        sigma, (m, V0) = row(particles.state, (p, column.stress), symmetric), row(particles.state, (p, column.mass), (0.0, 0.0))
-        a, moved = zero, gather(grid, nodes.velocity, at)
+    while p < end:
+        some, at = stencil_of(scheme, grid, particles, p, end)
+        before = rows(state, some.numbers, column.velocity, zero)
+        moved = gather(grid, nodes.velocity, at)
+        a = moved
         if record or scheme.flip > 0:
             a = gather(grid, nodes.acceleration, at)
         gradient = gather_tensor(grid, nodes.velocity, at)
+        affine = gather_affine(scheme.affine, grid, nodes, at, gradient)
         if record:
-            now, spin = axpy(kick, a, before), affine_spin(scheme.affine, grid, particles, p, s, at)
-            sums[KINETIC] += 0.5 * m * dot(now, now)
-            sums[STRAIN] += stored_energy(scheme, sigma, F, V0)
-            add_scaled(sums, MOMENTUM, m, now)
-            add_scaled(sums, last, m, axpy(1.0, cross(x, now), spin))
-            if not advance:
-                continue
-        v = axpy(scheme.flip, axpy(step, a, before), scale(1 - scheme.flip, moved))
-        if len(scheme.series) > 0 and not scheme.full_mass:
-            v = axpy(1.0, gather(grid, nodes.projected, at), v)
-        store(particles.state, (p, column.velocity), v)
-        gather_affine(scheme.affine, grid, particles, nodes, p, s, at, gradient)
-        if scheme.schedule == MUSL:
-            spread_momentum(scheme.affine, grid, particles, nodes, p, m, v, s, at)
-            continue
-        x, kept = move(grid, x, scale(dt, moved), limits)
-        store(particles.state, (p, 0), x)
-        passed = min(passed, kept)
-        if scheme.schedule == USL:
-            F, sigma, heat, strained = strain(scheme, sigma, F, V0, scale(dt, gradient), dt)
-            store(particles.state, (p, column.F), F)
-            store(particles.state, (p, column.stress), sigma)
-            sums[HEAT] += heat
-            passed = passed if strained else FAILED
+            m = some.present * rows(state, some.numbers, column.mass, (0.0,))[0]
+            now, x = axpy(kick, a, before), rows(state, some.numbers, 0, zero)
+            spin = spin_with(scheme.affine, grid, particles, some.numbers, at, cross(x, now))
+            sums[KINETIC] += total(0.5 * m * dot(now, now))
+            for k in range(p, p + some.size):
+                sums[STRAIN] += stored_energy(scheme, particles, particles.order[k], zero)
+            add_totals(sums, MOMENTUM, m, now)
+            add_totals(sums, MOMENTUM + len(zero), m, spin)
+        if advance:
+            v = axpy(scheme.flip, axpy(step, a, before), scale(1 - scheme.flip, moved))
+            if len(scheme.series) > 0 and not scheme.full_mass:
+                v = axpy(1.0, gather(grid, nodes.projected, at), v)
+            store_rows(state, some.numbers, column.velocity, v)
+            store_rows(state, some.numbers, column.affine, affine)
+            if scheme.schedule == MUSL:
+                m = some.present * rows(state, some.numbers, column.mass, (0.0,))[0]
+                spread_momentum(scheme.affine, grid, particles, nodes, some.numbers, m, v, at)
+            else:
+                passed = min(passed, move(grid, state, some, scale(dt, moved), limits))
+                if scheme.schedule == USL:
+                    passed = min(passed, strain(scheme, particles, p, some, scale(dt, gradient), dt, sums, zero))
+        p += max(some.size, 1)
     return passed
 
 
 @jit
-def add_scaled(sums: Array, first: int, m: float, some: Vector) -> None:
-    """Add m times a vector to an array from a place on."""
-    for c in range(len(some)):
-        sums[first + c] += m * some[c]
+def add_totals(sums: Array, first: int, m, some: Vector) -> None:
+    """Add sum_p m times a vector to an array from a place on."""
+    values = scale(m, some)
+    sums[first] += total(values[0])
+    if len(some) > 1:
+        sums[first + 1] += total(values[1])
+    if len(some) > 2:
+        sums[first + 2] += total(values[2])
 
 
 @jit
@@ -229,43 +262,52 @@ def strain_particles(
     zero, tensor, symmetric = null(grid.lower)
     column = columns_of(zero)
     passed, first_of_all = PASSED, scheme.schedule == USF
+    state, p = particles.state, begin
     sums[HEAT] = 0.0
     nodal = nodes.velocity if first_of_all else nodes.projected
-    for p in range(begin, end):
-        s, F = place(scheme, grid, particles, p), row(particles.state, (p, column.F), tensor)
-        sigma, V0 = row(particles.state, (p, column.stress), symmetric), particles.state[p, column.volume]
-        at = support(grid.kind, grid, s, domain(grid.kind, grid, F))
-        gradient = gather_tensor(grid, nodal, at)
+    while p < end:
+        some, at = stencil_of(scheme, grid, particles, p, end)
+        gradient, moved = gather_tensor(grid, nodal, at), gather(grid, nodes.velocity, at)
         if not first_of_all:
-            moved = gather(grid, nodes.velocity, at)
-            x, kept = move(grid, row(particles.state, (p, 0), zero), scale(dt, moved), limits)
-            store(particles.state, (p, 0), x)
-            passed = min(passed, kept)
-        F, sigma, heat, strained = strain(scheme, sigma, F, V0, scale(dt, gradient), dt)
-        store(particles.state, (p, column.F), F)
-        store(particles.state, (p, column.stress), sigma)
-        sums[HEAT] += heat
-        passed = passed if strained else FAILED
+            passed = min(passed, move(grid, state, some, scale(dt, moved), limits))
+        passed = min(passed, strain(scheme, particles, p, some, scale(dt, gradient), dt, sums, zero))
         if first_of_all:
-            spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V0, sigma, F, zero))
+            F, sigma = rows(state, some.numbers, column.F, tensor), rows(state, some.numbers, column.stress, symmetric)
+            V = some.present * rows(state, some.numbers, column.volume, (0.0,))[0]
+            spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
+        p += max(some.size, 1)
     return passed
 
 
 @jit
 def record_fields(
-    scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, outputs: Outputs, k: int, n: int, dt: float
+    scheme: Scheme,
+    grid: Grid,
+    particles: Particles,
+    nodes: Nodes,
+    outputs: Outputs,
+    k: int,
+    n: int,
+    dt: float,
+    begin: int,
+    end: int,
 ) -> None:
     """u^n, sigma^n, volume and v^n = v^{n-1/2} + dt/2 sum_I N_I a_I, as output k in the order of the problem."""
     zero, tensor, symmetric = null(grid.lower)
     column = columns_of(zero)
     kick, _ = leapfrog(n, dt)
-    for p in range(particles.place.size):
-        s, F = place(scheme, grid, particles, p), row(particles.state, (p, column.F), tensor)
-        at, q = support(grid.kind, grid, s, domain(grid.kind, grid, F)), particles.place[p]
-        a, X = gather(grid, nodes.acceleration, at), row(particles.reference, (q, 0), zero)
-        store(outputs.displacement, (k, q, 0), axpy(-1.0, X, row(particles.state, (p, 0), zero)))
-        store(outputs.velocity, (k, q, 0), axpy(kick, a, row(particles.state, (p, column.velocity), zero)))
-        store(outputs.stress, (k, q, 0), row(particles.state, (p, column.stress), symmetric))
+    state, p = particles.state, begin
+    while p < end:
+        some, at = stencil_of(scheme, grid, particles, p, end)
+        at_place, x = places(particles, some.numbers), rows(state, some.numbers, 0, zero)
+        now = axpy(kick, gather(grid, nodes.acceleration, at), rows(state, some.numbers, column.velocity, zero))
+        store_rows(outputs.displacement[k], at_place, 0, axpy(-1.0, rows(particles.reference, at_place, 0, zero), x))
+        store_rows(outputs.velocity[k], at_place, 0, now)
+        store_rows(outputs.stress[k], at_place, 0, rows(state, some.numbers, column.stress, symmetric))
         # A small-strain body in material coordinates keeps its volume; its J may even be negative.
-        J = det(F) if finite_strain(scheme.law) or not scheme.total else 1.0
-        outputs.volume[k, q] = particles.state[p, column.volume] * J
+        keeps = scheme.total and not finite_strain(scheme.law)
+        for j in range(some.size):
+            q = particles.order[p + j]
+            J = 1.0 if keeps else det(row(state, (q, column.F), tensor))
+            outputs.volume[k, particles.place[q]] = state[q, column.volume] * J
+        p += max(some.size, 1)

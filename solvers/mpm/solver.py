@@ -280,10 +280,8 @@ class MaterialPoint:
     def _strips(self, problem: Problem, at: Discretisation, grid: Grid, count: int) -> Strips:
         rows, moving = at.cells(problem)[-1], self.formulation == "updated"
         lanes = 2 if len(grid.width) == 2 else 4
-        reach = {GIMP: lanes + 1, CPDI: lanes + 2}.get(
-            grid.kind, lanes
-        )  # a domain begins a row before the cell of its particle
-        return strips(grid.lower[-1], at.h, rows, reach, count, moving)
+        reach = {GIMP: lanes + 1, CPDI: lanes + 2}.get(grid.kind, lanes)  # a domain begins before the cell of its particle
+        return strips(grid.lower[-1], at.h, rows, reach, count, moving, grid.stride[-1])
 
     def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:
         """Lay the particles out in the initial state of the body."""
@@ -291,7 +289,8 @@ class MaterialPoint:
         count, dimension = reference.shape
         kept = dimension**2 if self.transfer.affine else 0
         state = np.zeros((count, columns_like((0.0,) * dimension).affine + kept))
-        particles = Particles(np.arange(count, dtype=np.int64), reference, state)
+        numbers = np.arange(count, dtype=np.int64)
+        particles = Particles(numbers, reference, state, numbers.copy())
         particles.position[:] = reference + problem.initial_field("displacement", reference)
         particles.velocity[:] = problem.initial_field("velocity", reference)
         particles.F[:] = np.eye(dimension).ravel() + problem.initial_field("displacement_gradient", reference)

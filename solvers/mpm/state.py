@@ -14,6 +14,8 @@ from .constitution import Constants, Law
 from .vectors import Vector
 
 Integers = NDArray[np.int64]
+FAILED, STRAYED, PASSED = range(3)
+"""What a pass says of its particles."""
 
 
 class Scheme(NamedTuple):
@@ -39,8 +41,8 @@ class Grid(NamedTuple):
     """Lower corner (d,) [m], 1/h [1/m], numbers of cells, whether the ends of an axis are joined, steps from node to node (d,).
 
     W numbers that tell the width of a stencil; of all axes as of `Axis` the padding (d,), the pieces (d, C), the polynomials, to which
-    these refer, and the nodes (d, n) [m]; a ghost node of a periodic axis and its image (G, 2). The kind of the basis, half the side of
-    a particle at first, in cells, and whether it stretches.
+    these refer, and the nodes (d, n) in cells from the lower end; a ghost node of a periodic axis and its image (G, 2). The kind of the
+    basis, half the side of a particle at first, in cells, and whether it stretches.
     """
 
     lower: tuple[float, ...]
@@ -62,11 +64,11 @@ class Grid(NamedTuple):
 def grid_of(axes: tuple[Axis, ...], h: float, basis: Basis, ghosts: Integers, half: float, stretched: bool) -> Grid:
     """Grid of these axes; the other parameters as of `Grid`."""
     counts = [len(axis.nodes) for axis in axes]
-    nodes = np.zeros((len(axes), max(counts) + 1))  # behind the last one there is room for a lane that is not used
+    nodes = np.zeros((len(axes), max(counts)))
     piece = np.zeros((len(axes), max(axis.cells for axis in axes)), dtype=np.uint8)
     before = 0
     for k, axis in enumerate(axes):
-        nodes[k, : counts[k]], piece[k, : axis.cells] = axis.nodes, axis.piece + before
+        nodes[k, : counts[k]], piece[k, : axis.cells] = (axis.nodes - axis.lower) / h, axis.piece + before
         before += len(axis.polynomials)
     return Grid(
         tuple(axis.lower for axis in axes),
@@ -113,7 +115,8 @@ columns_of = jit(columns_like)
 
 
 class Particles(NamedTuple):
-    """Place in the order of the problem (P,), X in that order [m] (P, d), and the state (P, K), a row of which is read at once.
+    """Place in the order of the problem (P,), X in that order [m] (P, d), the state (P, K), a row of which is read at once, and in which
+    order the passes take them (P,).
 
     See `Columns`; the properties are views.
     """
@@ -121,6 +124,7 @@ class Particles(NamedTuple):
     place: Integers
     reference: Array
     state: Array
+    order: Integers
 
     def _part(self, first: int, count: int) -> Array:
         return self.state[:, first : first + count]

@@ -6,14 +6,15 @@ from mpmverify.problem import Array
 
 from .constitution import Constants
 from .grid import accelerate, clear, kick_nodes, nodal_velocity
-from .order import Strips
-from .passes import PASSED, grid_to_particles, particles_to_grid, smooth, strain_particles
-from .state import Grid, Nodes, Particles, Scheme
+from .order import Strips, arrange
+from .passes import grid_to_particles, particles_to_grid, smooth, strain_particles
+from .state import PASSED, Grid, Nodes, Particles, Scheme
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
-TO_GRID, TO_PARTICLES, STRAIN_ALONE, SMOOTH = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
+TO_GRID, TO_PARTICLES, STRAIN_ALONE = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0)
+SMOOTH, ARRANGE = (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
 CLEAR, VELOCITY, ACCELERATE, KICK = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
 """Passes over the particles and over the nodes; their lengths tell them apart where a function is compiled."""
 
@@ -75,8 +76,10 @@ def sweep(
                 )
             elif len(kind) == 3:
                 passed = strain_particles(choices, space, particles, nodes, dt, strips.limits[s], strips.sums[s], first, stop)
-            else:
+            elif len(kind) == 4:
                 passed = smooth(choices, space, particles, nodes, first, stop)
+            else:
+                passed = arrange(choices, space, particles, strips, s, first, stop)
             said[s] = passed
     worst = PASSED
     for s in range(count):

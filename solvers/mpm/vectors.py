@@ -1,50 +1,10 @@
-"""Vectors as tuples of floats; numba knows their length and drops the branches of the others."""
+"""Vectors as tuples of numbers or lanes; numba knows their length and drops the branches of the others."""
 
 from .compilation import jit
+from .lanes import axpy, largest, scale
 
 Vector = tuple[float, ...]
 TINY = 1e-200
-
-
-@jit
-def axpy(a: float, x: Vector, y: Vector) -> Vector:
-    """Sum a x + y."""
-    if len(x) == 1:
-        return (a * x[0] + y[0],)
-    if len(x) == 2:
-        return (a * x[0] + y[0], a * x[1] + y[1])
-    if len(x) == 3:
-        return (a * x[0] + y[0], a * x[1] + y[1], a * x[2] + y[2])
-    if len(x) == 4:
-        return (a * x[0] + y[0], a * x[1] + y[1], a * x[2] + y[2], a * x[3] + y[3])
-    first = (a * x[0] + y[0], a * x[1] + y[1], a * x[2] + y[2])
-    second = (a * x[3] + y[3], a * x[4] + y[4], a * x[5] + y[5])
-    return (*first, *second, a * x[6] + y[6], a * x[7] + y[7], a * x[8] + y[8])
-
-
-@jit
-def scale(a: float, x: Vector) -> Vector:
-    """Product a x."""
-    if len(x) == 1:
-        return (a * x[0],)
-    if len(x) == 2:
-        return (a * x[0], a * x[1])
-    if len(x) == 3:
-        return (a * x[0], a * x[1], a * x[2])
-    if len(x) == 4:
-        return (a * x[0], a * x[1], a * x[2], a * x[3])
-    first, second = (a * x[0], a * x[1], a * x[2]), (a * x[3], a * x[4], a * x[5])
-    return (*first, *second, a * x[6], a * x[7], a * x[8])
-
-
-@jit
-def dot(x: Vector, y: Vector) -> float:
-    """Product x . y."""
-    if len(x) == 1:
-        return x[0] * y[0]
-    if len(x) == 2:
-        return x[0] * y[0] + x[1] * y[1]
-    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
 @jit
@@ -105,10 +65,10 @@ def constant(a: float, like: Vector) -> Vector:
 def quotient(a: float, x: Vector) -> Vector:
     """Each a/x; nothing of nothing, at x = 0."""
     if len(x) == 1:
-        return (a / max(x[0], TINY),)
+        return (a / largest(x[0], TINY),)
     if len(x) == 2:
-        return (a / max(x[0], TINY), a / max(x[1], TINY))
-    return (a / max(x[0], TINY), a / max(x[1], TINY), a / max(x[2], TINY))
+        return (a / largest(x[0], TINY), a / largest(x[1], TINY))
+    return (a / largest(x[0], TINY), a / largest(x[1], TINY), a / largest(x[2], TINY))
 
 
 @jit
