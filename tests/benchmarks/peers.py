@@ -1,7 +1,7 @@
 """Speed beside taichi and warp on the same problem: `python tests/benchmarks/peers.py`.
 
-Two dimensions, double precision, four particles a cell, a periodic square of linear elastic material, stress updated last in the
-updated Lagrangian formulation: hat functions with FLIP, and quadratic B-splines with APIC, which is what the examples mpm88 and
+Two or three dimensions, double precision, two particles along each axis of a cell, a periodic box of linear elastic material, stress
+updated last in the updated Lagrangian formulation: hat functions with FLIP, and quadratic B-splines with APIC, which is what the examples mpm88 and
 mpm99 of taichi do but for the gradient of the splines in the place of that of moving least squares. Every code takes the same
 particles, sorted by cell, at the same time step; positions, velocities and stresses are compared before anything is timed. The
 peers do less: they keep det F in the place of F, one mass and one volume for all, and neither energies nor checks.
@@ -52,11 +52,12 @@ def seconds_of_peer(peer: Peer, body: Body, steps: int) -> float:
 
 
 def peers_of(body: Body, quadratic: bool, threads: int) -> dict[str, Peer]:
-    """Peers that run on so many threads."""
+    """Peers that run on so many threads; that of warp in two dimensions."""
     from taichi_peer import TaichiPeer
     from warp_peer import WarpPeer
 
-    return {"taichi": TaichiPeer(body, quadratic, threads), "warp": WarpPeer(body, quadratic)}
+    peers: dict[str, Peer] = {"taichi": TaichiPeer(body, quadratic, threads)}
+    return peers | {"warp": WarpPeer(body, quadratic)} if body.position.shape[1] == 2 else peers
 
 
 def compare(
@@ -91,18 +92,21 @@ def compare(
 @click.option("--rounds", type=int, default=5, show_default=True, help="Rounds, of which the median counts.")
 @click.option("--threads", type=int, multiple=True, help="Numbers of threads  [default: 1 and all].")
 @click.option("--scheme", type=click.Choice(sorted(SCHEMES)), multiple=True, help="Schemes  [default: all].")
-def main(particles: float, steps: int, rounds: int, threads: tuple[int, ...], scheme: tuple[str, ...]) -> None:
-    problem, at = periodic_body(2, particles, steps)
-    table = Table(title=f"Million particle-steps per second, {at.ppc**2 * at.cells(problem)[0] ** 2:,} particles, float64")
+@click.option("--dimension", type=click.IntRange(2, 3), default=2, show_default=True, help="Of the body.")
+def main(particles: float, steps: int, rounds: int, threads: tuple[int, ...], scheme: tuple[str, ...], dimension: int) -> None:
+    problem, at = periodic_body(dimension, particles, steps)
+    count = (at.ppc * at.cells(problem)[0]) ** dimension
+    table = Table(title=f"Million particle-steps per second, {dimension}D, {count:,} particles, float64")
     for heading in ("scheme", "threads", "mpmverify", "taichi", "warp", "by taichi", "by warp", "by the best"):
         table.add_column(heading, justify="left" if heading == "scheme" else "right")
     for name in scheme or SCHEMES:
-        for count in threads or sorted({1, numba.config.NUMBA_NUM_THREADS}):
-            rate = compare(SCHEMES[name], problem, at, steps, rounds, count)
+        for some in threads or sorted({1, numba.config.NUMBA_NUM_THREADS}):
+            rate = compare(SCHEMES[name], problem, at, steps, rounds, some)
             click.echo(", ".join(f"{code} {value:.1f}" for code, value in rate.items()) + " million particle-steps per second")
-            ours, others = rate["mpmverify"], (rate["taichi"], rate["warp"])
-            ratios = (ours / other for other in (*others, max(others)))
-            table.add_row(name, str(count), *(f"{r:.1f}" for r in (ours, *others)), *(f"{r:.2f}" for r in ratios))
+            ours, *others = (rate.get(code) for code in ("mpmverify", "taichi", "warp"))
+            ratios = [other and ours / other for other in (*others, max(filter(None, others)))]
+            shown = [f"{r:.1f}" if r else "" for r in (ours, *others)] + [f"{r:.2f}" if r else "" for r in ratios]
+            table.add_row(name, str(some), *shown)
     Console(width=120).print(table)
 
 

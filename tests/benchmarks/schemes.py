@@ -11,9 +11,9 @@ from mpmverify.solvers.mpm import APIC, FLIP, MaterialPoint
 
 @dataclass(frozen=True)
 class Body:
-    """Regular layout in a periodic unit square of n x n cells, sorted by cell; mass [kg/m] and volume V0 [m^2] of a particle.
+    """Regular layout in a periodic unit box of n cells along each axis, sorted by cell; mass and volume V0 [m^d] of a particle.
 
-    Positions and velocities (P, 2) [m, m/s], Lame's constants [Pa] and the time step [s].
+    Positions and velocities (P, d) [m, m/s], Lame's constants [Pa] and the time step [s].
     """
 
     cells: int
@@ -28,7 +28,7 @@ class Body:
 
 @dataclass(frozen=True)
 class State:
-    """What a peer carries from step to step: x [m], v [m/s] and C [1/s] (P, 2, 2), sigma = (xx, yy, xy) [Pa] and J [1]."""
+    """What a peer carries from step to step: x [m], v [m/s], C [1/s] (P, d, d), sigma = (xx, yy, xy) or (xx, yy, zz, xy, yz, zx) [Pa], J."""
 
     position: Array
     velocity: Array
@@ -62,13 +62,12 @@ SCHEMES = {
 
 
 def sorted_body(problem: Problem, at: Discretisation, reference: Array) -> tuple[Body, Array]:
-    """Particles at their reference positions (P, 2) [m] in the order of their cells, and that order (P,)."""
-    assert problem.lower == (0.0, 0.0)
-    cells, _ = at.cells(problem)
-    column, row = (reference // at.h).astype(int).T
-    order = np.argsort(row * cells + column, kind="stable")
+    """Particles at their reference positions (P, d) [m] in the order of their cells, and that order (P,)."""
+    assert not any(problem.lower)
+    cells, dimension = at.cells(problem)[0], problem.dimension
+    order = np.argsort((reference // at.h).astype(int) @ cells ** np.arange(dimension), kind="stable")
     velocity = problem.initial_field("velocity", reference)
-    material, volume = problem.material, (at.h / at.ppc) ** 2
+    material, volume = problem.material, (at.h / at.ppc) ** dimension
     _, dt = at.time_steps(problem)
     lame, shear = material.lame_lambda, material.shear_modulus
     return Body(cells, reference[order], velocity[order], material.density * volume, volume, lame, shear, dt), order
@@ -76,8 +75,9 @@ def sorted_body(problem: Problem, at: Discretisation, reference: Array) -> tuple
 
 def at_rest(body: Body) -> State:
     """Initial state of an undeformed body."""
-    count = len(body.position)
-    return State(body.position, body.velocity, np.zeros((count, 2, 2)), np.zeros((count, 3)), np.ones(count))
+    count, d = body.position.shape
+    stress = np.zeros((count, d * (d + 1) // 2))
+    return State(body.position, body.velocity, np.zeros((count, d, d)), stress, np.ones(count))
 
 
 def advance(peer: Peer, body: Body, steps: int) -> None:

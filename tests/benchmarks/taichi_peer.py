@@ -3,20 +3,24 @@
 import taichi as ti
 from schemes import Body, State
 
+PLACE = {2: ((0, 2), (2, 1)), 3: ((0, 3, 5), (3, 1, 4), (5, 4, 2))}
+"""Place of a component of the stress among those that are kept, by dimension."""
+
 
 @ti.data_oriented
 class TaichiPeer:
-    """Explicit MPM in a periodic unit square: hat functions and FLIP, or quadratic splines and APIC; USL, linear elastic."""
+    """Explicit MPM in a periodic unit box: hat functions and FLIP, or quadratic splines and APIC; USL, linear elastic."""
 
     def __init__(self, body: Body, quadratic: bool, threads: int) -> None:
         ti.init(arch=ti.cpu, default_fp=ti.f64, cpu_max_num_threads=threads, log_level=ti.ERROR)
-        self.quadratic, self.n, count = quadratic, body.cells, len(body.position)
+        self.quadratic, self.n, (count, d) = quadratic, body.cells, body.position.shape
+        self.d, self.place, self.nodes = d, PLACE[d], (3 if quadratic else 2,) * d
         self.h, self.mass, self.volume, self.lame, self.shear = 1 / body.cells, body.mass, body.volume, body.lame, body.shear
-        self.x, self.v = (ti.Vector.field(2, ti.f64, shape=count) for _ in range(2))
-        self.C = ti.Matrix.field(2, 2, ti.f64, shape=count if quadratic else 1)
-        self.stress, self.J = ti.Vector.field(3, ti.f64, shape=count), ti.field(ti.f64, shape=count)
-        self.m = ti.field(ti.f64, shape=(self.n, self.n))
-        self.p, self.f = (ti.Vector.field(2, ti.f64, shape=(self.n, self.n)) for _ in range(2))
+        self.x, self.v = (ti.Vector.field(d, ti.f64, shape=count) for _ in range(2))
+        self.C = ti.Matrix.field(d, d, ti.f64, shape=count if quadratic else 1)
+        self.stress, self.J = ti.Vector.field(d * (d + 1) // 2, ti.f64, shape=count), ti.field(ti.f64, shape=count)
+        self.m = ti.field(ti.f64, shape=(self.n,) * d)
+        self.p, self.f = (ti.Vector.field(d, ti.f64, shape=(self.n,) * d) for _ in range(2))
 
     def load(self, state: State) -> None:
         for field, values in (
@@ -52,7 +56,7 @@ class TaichiPeer:
         s = x / self.h
         first = ti.floor(s, ti.i32)
         xi = s - first
-        one = ti.Vector([1.0, 1.0])
+        one = ti.Vector.one(ti.f64, self.d)
         return first, ti.static([one - xi, xi]), ti.static([-one / self.h, one / self.h])
 
     @ti.func
@@ -66,64 +70,85 @@ class TaichiPeer:
         return first, w, d, r
 
     @ti.func
-    def node(self, first, a, b):
-        """Row and column of a node, brought back into the square."""
-        i, j = first[0] + a, first[1] + b
-        i = i + self.n if i < 0 else (i - self.n if i >= self.n else i)
-        j = j + self.n if j < 0 else (j - self.n if j >= self.n else j)
-        return ti.Vector([j, i])
+    def node(self, first, offset):
+        """Numbers of a node, that along x last, brought back into the box."""
+        k = ti.Vector.zero(ti.i32, self.d)
+        for i in ti.static(range(self.d)):
+            number = first[i] + offset[i]
+            k[self.d - 1 - i] = number + self.n if number < 0 else (number - self.n if number >= self.n else number)
+        return k
+
+    @ti.func
+    def product(self, w, offset):
+        """Product of functions along the axes."""
+        N = 1.0
+        for i in ti.static(range(self.d)):
+            N *= w[offset[i]][i]
+        return N
+
+    @ti.func
+    def gradient(self, w, d, offset):
+        """The same with a derivative in the place of each of them."""
+        g = ti.Vector.one(ti.f64, self.d)
+        for i, j in ti.static(ti.ndrange(self.d, self.d)):
+            g[i] *= d[offset[j]][j] if ti.static(i == j) else w[offset[j]][j]
+        return g
 
     @ti.func
     def force(self, p):
         """-V sigma, the volume that of t^n."""
-        xx, yy, xy = self.stress[p][0], self.stress[p][1], self.stress[p][2]
-        return -self.volume * self.J[p] * ti.Matrix([[xx, xy], [xy, yy]])
+        T = ti.Matrix.zero(ti.f64, self.d, self.d)
+        for i, j in ti.static(ti.ndrange(self.d, self.d)):
+            T[i, j] = self.stress[p][self.place[i][j]]
+        return -self.volume * self.J[p] * T
 
     @ti.func
     def strain(self, p, L):
         """J and stress after an increment L = dt dv/dx."""
-        self.J[p] *= (1.0 + L[0, 0]) * (1.0 + L[1, 1]) - L[0, 1] * L[1, 0]
-        volumetric = self.lame * (L[0, 0] + L[1, 1])
-        self.stress[p] += ti.Vector(
-            [volumetric + 2 * self.shear * L[0, 0], volumetric + 2 * self.shear * L[1, 1], self.shear * (L[0, 1] + L[1, 0])]
-        )
+        one = ti.Matrix.identity(ti.f64, self.d)
+        self.J[p] *= (one + L).determinant()
+        T = self.lame * L.trace() * one + self.shear * (L + L.transpose())
+        for i, j in ti.static(ti.ndrange(self.d, self.d)):
+            if ti.static(i <= j):
+                self.stress[p][self.place[i][j]] += T[i, j]
 
     @ti.kernel
     def clear(self):
-        for i, j in self.m:
-            self.m[i, j] = 0.0
-            self.p[i, j] = ti.Vector.zero(ti.f64, 2)
-            self.f[i, j] = ti.Vector.zero(ti.f64, 2)
+        for k in ti.grouped(self.m):
+            self.m[k] = 0.0
+            self.p[k] = ti.Vector.zero(ti.f64, self.d)
+            self.f[k] = ti.Vector.zero(ti.f64, self.d)
 
     @ti.kernel
     def hats_to_grid(self):
         for p in self.x:
             first, w, d = self.hats(self.x[p])
             T, v = self.force(p), self.v[p]
-            for a, b in ti.static(ti.ndrange(2, 2)):
-                k, N = self.node(first, a, b), self.mass * w[a][0] * w[b][1]
+            for offset in ti.static(ti.grouped(ti.ndrange(*self.nodes))):
+                k, N = self.node(first, offset), self.mass * self.product(w, offset)
                 self.m[k] += N
                 self.p[k] += N * v
-                self.f[k] += T @ ti.Vector([d[a][0] * w[b][1], w[a][0] * d[b][1]])
+                self.f[k] += T @ self.gradient(w, d, offset)
 
     @ti.kernel
     def update(self, kick: ti.f64):
-        for i, j in self.m:
-            if self.m[i, j] > 0.0:
-                self.f[i, j] /= self.m[i, j]
-                self.p[i, j] = self.p[i, j] / self.m[i, j] + kick * self.f[i, j]
+        for k in ti.grouped(self.m):
+            if self.m[k] > 0.0:
+                self.f[k] /= self.m[k]
+                self.p[k] = self.p[k] / self.m[k] + kick * self.f[k]
 
     @ti.kernel
     def grid_to_hats(self, kick: ti.f64, dt: ti.f64):
         for p in self.x:
             first, w, d = self.hats(self.x[p])
-            a_p, v_p, L = ti.Vector.zero(ti.f64, 2), ti.Vector.zero(ti.f64, 2), ti.Matrix.zero(ti.f64, 2, 2)
-            for a, b in ti.static(ti.ndrange(2, 2)):
-                k, N = self.node(first, a, b), w[a][0] * w[b][1]
+            a_p, v_p = ti.Vector.zero(ti.f64, self.d), ti.Vector.zero(ti.f64, self.d)
+            L = ti.Matrix.zero(ti.f64, self.d, self.d)
+            for offset in ti.static(ti.grouped(ti.ndrange(*self.nodes))):
+                k, N = self.node(first, offset), self.product(w, offset)
                 v = self.p[k]
                 a_p += N * self.f[k]
                 v_p += N * v
-                L += v.outer_product(ti.Vector([d[a][0] * w[b][1], w[a][0] * d[b][1]]))
+                L += v.outer_product(self.gradient(w, d, offset))
             self.v[p] += kick * a_p
             self.x[p] += dt * v_p
             self.strain(p, dt * L)
@@ -133,29 +158,30 @@ class TaichiPeer:
         for p in self.x:
             first, w, d, r = self.splines(self.x[p])
             T, v, C = kick * self.force(p), self.v[p], self.C[p]
-            for a, b in ti.static(ti.ndrange(3, 3)):
-                k, N = self.node(first, a, b), self.mass * w[a][0] * w[b][1]
+            for offset in ti.static(ti.grouped(ti.ndrange(*self.nodes))):
+                k, N = self.node(first, offset), self.mass * self.product(w, offset)
                 self.m[k] += N
-                distance = self.h * (ti.Vector([a, b], ti.f64) - r)
-                self.p[k] += N * (v + C @ distance) + T @ ti.Vector([d[a][0] * w[b][1], w[a][0] * d[b][1]])
+                distance = self.h * (offset.cast(ti.f64) - r)
+                self.p[k] += N * (v + C @ distance) + T @ self.gradient(w, d, offset)
 
     @ti.kernel
     def update_momentum(self):
-        for i, j in self.m:
-            if self.m[i, j] > 0.0:
-                self.p[i, j] /= self.m[i, j]
+        for k in ti.grouped(self.m):
+            if self.m[k] > 0.0:
+                self.p[k] /= self.m[k]
 
     @ti.kernel
     def grid_to_splines(self, dt: ti.f64):
         for p in self.x:
             first, w, d, r = self.splines(self.x[p])
-            v_p, B, L = ti.Vector.zero(ti.f64, 2), ti.Matrix.zero(ti.f64, 2, 2), ti.Matrix.zero(ti.f64, 2, 2)
-            for a, b in ti.static(ti.ndrange(3, 3)):
-                v = self.p[self.node(first, a, b)]
-                moment = w[a][0] * w[b][1] * v
+            v_p = ti.Vector.zero(ti.f64, self.d)
+            B, L = ti.Matrix.zero(ti.f64, self.d, self.d), ti.Matrix.zero(ti.f64, self.d, self.d)
+            for offset in ti.static(ti.grouped(ti.ndrange(*self.nodes))):
+                v = self.p[self.node(first, offset)]
+                moment = self.product(w, offset) * v
                 v_p += moment
-                B += moment.outer_product(ti.Vector([a, b], ti.f64) - r)
-                L += v.outer_product(ti.Vector([d[a][0] * w[b][1], w[a][0] * d[b][1]]))
+                B += moment.outer_product(offset.cast(ti.f64) - r)
+                L += v.outer_product(self.gradient(w, d, offset))
             self.v[p] = v_p
             self.C[p] = 4.0 / self.h * B
             self.x[p] += dt * v_p
