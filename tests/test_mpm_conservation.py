@@ -4,14 +4,13 @@ import itertools
 
 import numpy as np
 import pytest
-from from_python import callable_from_python, functions_of, moments_of_inertia
+from from_python import callable_from_python, functions_of, moments_of_inertia, one_strip
 
 from mpmverify.problem import Constant, Discretisation, LinearElastic, NeoHookean, Periodic, Problem, Traction
 from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, fmpm, passes, xpic
 from mpmverify.solvers.mpm.basis import BASES
 from mpmverify.solvers.mpm.faces import node_positions
-from mpmverify.solvers.mpm.passes import PASSED
-from mpmverify.solvers.mpm.state import Nodes, nodal
+from mpmverify.solvers.mpm.state import PASSED, Nodes, nodal
 
 particles_to_grid, grid_to_particles = map(callable_from_python, (passes.particles_to_grid, passes.grid_to_particles))
 FREE = Traction(Constant(0.0))
@@ -124,8 +123,8 @@ def cloud(variant, dimension, seed):
 
 
 def to_grid(scheme, grid, particles, nodes):
-    passed = particles_to_grid(scheme, grid, particles, nodes, np.zeros((0, 0, 0)), 0, True, 0, len(particles.mass))
-    assert passed == PASSED
+    strips, body = one_strip(grid, particles), np.zeros((0, 0, 0))
+    assert particles_to_grid(scheme, grid, particles, nodes, strips, 0, body, 0, 1, 0.01, True, True) == PASSED
 
 
 def moment(x, v):
@@ -187,8 +186,8 @@ def stepped(variant, dimension, seed, acceleration):
     dt, x = 0.01, particles.position.copy()
     nodes.velocity[:] += dt * nodes.acceleration
     momentum = (mass * nodes.velocity).T
-    limits, sums = np.array([-np.inf, np.inf]), np.zeros(9)
-    assert grid_to_particles(scheme, grid, particles, nodes, 1, dt, True, True, limits, sums, 0, len(x)) == PASSED
+    strips, body = one_strip(grid, particles), np.zeros((0, 0, 0))
+    assert grid_to_particles(scheme, grid, particles, nodes, strips, 0, body, 0, 1, dt, True, True) == PASSED
     return scheme, grid, particles, nodes, positions, mass, momentum, x, before, dt
 
 

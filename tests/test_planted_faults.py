@@ -106,10 +106,10 @@ FEM_POISSON = Trial("manufactured-1d", "poisson", FiniteElement(2, "consistent",
 
 FAIL, ERROR = Verdict.FAIL, Verdict.ERROR
 MPM_LAW, MPM_PASSES, MPM_GRID, MPM_FACES = "mpm/constitution.py", "mpm/passes.py", "mpm/grid.py", "mpm/faces.py"
-MPM_SOLVER = "mpm/solver.py"
+MPM_SOLVER, MPM_DEFORMATION = "mpm/solver.py", "mpm/deformation.py"
 MPM_HOOKE = "return shifted(lame * trace(eps), 2 * shear, eps)"
 MPM_NEO_HOOKEAN_STRESS = "return shifted((lame * log(J) - shear) / J, shear / J, b)"
-MPM_STRAINED = "passed = min(passed, strain(scheme, particles, p, some, scale(dt, gradient)"
+MPM_STRAINED = "passed = min(passed, strain(scheme.law, scheme, particles, p, some, scale(dt, gradient)"
 MPM_NO_DT = MPM_STRAINED.replace("scale(dt, gradient)", "gradient")
 MPM_STORED = "F, sigma = row(particles.state, (p, column.F)"
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
@@ -174,8 +174,8 @@ FAULTS = (
     Fault(
         "internal-force-sign-flipped",
         (
-            Edit(MPM_PASSES, "constant(-V0 * det(F), like)", "constant(V0 * det(F), like)"),
-            Edit(MPM_PASSES, "constant(-V0, like)", "constant(V0, like)"),
+            Edit(MPM_DEFORMATION, "constant(-V0 * det(F), like)", "constant(V0 * det(F), like)"),
+            Edit(MPM_DEFORMATION, "constant(-V0, like)", "constant(V0, like)"),
         ),
         (Kill(MPM_VIBRATION, ERROR, "energy drift"),),
     ),
@@ -206,7 +206,7 @@ FAULTS = (
     ),
     Fault(
         "volume-not-updated",
-        (Edit(MPM_PASSES, "constant(-V0 * det(F), like)", "constant(-V0, like)"),),
+        (Edit(MPM_DEFORMATION, "constant(-V0 * det(F), like)", "constant(-V0, like)"),),
         (Kill(MPM_CROSSING, FAIL, "order of displacement"),),
     ),
     Fault(
@@ -309,7 +309,7 @@ FAULTS = (
     ),
     Fault(
         "strain-energy-of-the-neighbouring-volume",
-        (Edit(MPM_PASSES, MPM_STORED, MPM_STORED.replace("(p,", "(max(p - 1, 0),")),),
+        (Edit(MPM_DEFORMATION, MPM_STORED, MPM_STORED.replace("(p,", "(max(p - 1, 0),")),),
         (Kill(MPM_PULSE, FAIL, "mass, momentum, kinetic_energy, strain_energy summed"),),
         keeps_orders=True,
     ),

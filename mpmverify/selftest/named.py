@@ -10,6 +10,7 @@ BASIS, FACES, GRID, HISTORIES, LAW, LAYOUT, LOOP, PASSES, SOLVER, TENSORS = (
     f"mpm/{name}.py"
     for name in ("basis", "faces", "grid", "histories", "constitution", "layout", "loop", "passes", "solver", "tensors")
 )
+AFFINE, DEFORMATION = "mpm/affine.py", "mpm/deformation.py"
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 FEM_LOOP, FEM_SOLVER = "fem/kernel.py", "fem/solver.py"
 
@@ -24,7 +25,7 @@ BY_GRADIENT, BY_OTHER = (
 LINEAR = "return shifted(lame * trace(eps), 2 * shear, eps)"
 NEO_HOOKEAN = "return shifted((lame * log(J) - shear) / J, shear / J, b)"
 V_SIGMA, V_PIOLA = "constant(-V0 * det(F), like)", "constant(-V0, like)"
-STRAINED = "passed = min(passed, strain(scheme, particles, p, some, scale(dt, gradient)"
+STRAINED = "passed = min(passed, strain(scheme.law, scheme, particles, p, some, scale(dt, gradient)"
 TOO_FAR = STRAINED.replace("scale(dt, gradient)", "gradient")
 SCALED = (
     "            wrong = scale(V, sigma) if scheme.total else scale(V * det(F), sigma)\n"
@@ -35,10 +36,10 @@ MOVED = "scale(dt, moved), limits))\n                if"
 HELD = "        nodes.acceleration[c, i] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / step\n"
 KICK = "            v[i] += step * a[i]\n"
 KEPT = "            nodes.projected[c, begin + i] = v[i]\n"
-REPROJECT = "            sweep_nodes(VELOCITY, nodes, strips, nodes.projected, massless, body, 0, 0.0, 0.0, added)\n"
+REPROJECT = "            nodal_velocity(nodes, strips, nodes.projected, massless, body, 0, 0.0, 0.0, added, 0, count)\n"
 REPROJECTED = "            hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)\n"
-CLEARED = "            values = sums[c, begin:end]\n"
-KEEP_MASS = "            if c == 0 and sums.shape[0] > nodes.velocity.shape[0]:\n                continue\n"
+CLEARED = "            values = totals[c, begin:end]\n"
+KEEP_MASS = "            if c == 0 and totals.shape[0] > nodes.velocity.shape[0]:\n                continue\n"
 CONSTANTS = "float(material.lame_lambda), float(material.shear_modulus)"
 SWAPPED = "float(material.shear_modulus), float(material.lame_lambda)"
 CONTOUR = "                    R[i, k] -= dt * contour\n"
@@ -58,13 +59,13 @@ HISTORIC = (
         MPM,
         "momentum weighted by the gradient of the shape function",
         (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at,", BY_GRADIENT)),
-        (PASSES, MOMENTUM, MOMENTUM.replace("at,", BY_GRADIENT)),
+        (AFFINE, MOMENTUM, MOMENTUM.replace("at,", BY_GRADIENT)),
     ),
     _fault(
         MPM,
         "momentum weighted by the shape function of the other node",
         (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at,", BY_OTHER)),
-        (PASSES, MOMENTUM, MOMENTUM.replace("at,", BY_OTHER)),
+        (AFFINE, MOMENTUM, MOMENTUM.replace("at,", BY_OTHER)),
     ),
     _fault(
         MPM,
@@ -107,15 +108,15 @@ MATERIAL_POINT = (
     _fault(
         MPM,
         "sign of the internal force",
-        (PASSES, V_SIGMA, V_SIGMA.replace("-V0", "V0")),
-        (PASSES, V_PIOLA, V_PIOLA.replace("-V0", "V0")),
+        (DEFORMATION, V_SIGMA, V_SIGMA.replace("-V0", "V0")),
+        (DEFORMATION, V_PIOLA, V_PIOLA.replace("-V0", "V0")),
     ),
-    _fault(MPM, "density and volume not updated", (PASSES, V_SIGMA, V_PIOLA)),
-    _fault(MPM, "volume updated in the total Lagrangian formulation too", (PASSES, V_PIOLA, V_SIGMA)),
+    _fault(MPM, "density and volume not updated", (DEFORMATION, V_SIGMA, V_PIOLA)),
+    _fault(MPM, "volume updated in the total Lagrangian formulation too", (DEFORMATION, V_PIOLA, V_SIGMA)),
     _fault(
         MPM,
         "deformation gradient updated by a sum in the updated Lagrangian formulation",
-        (PASSES, "else deform(increment, before)", "else axpy(1.0, increment, before)"),
+        (DEFORMATION, "else deform(increment, before)", "else axpy(1.0, increment, before)"),
     ),
     _fault(
         MPM,

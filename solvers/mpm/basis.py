@@ -10,8 +10,9 @@ from scipy.interpolate import BSpline
 from mpmverify.problem import Array
 
 from .compilation import jit
-from .lanes import axpy, by_components, dot, largest, less, scale
+from .lanes import largest
 from .memory import row
+from .vectors import axpy, by_components, dot, less, scale
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"

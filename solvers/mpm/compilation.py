@@ -30,7 +30,7 @@ SOURCES = zlib.crc32(b"".join(path.read_bytes() for path in sorted(Path(__file__
 """As a default argument of a compiled function it adds the files that it inlines to the one that numba's disk cache watches."""
 
 
-def compiled(function: Callable[..., Any], names: dict[str, object], **options: bool) -> Any:
+def compiled(function: Callable[..., Any], names: dict[str, object], name: str, **options: bool) -> Any:
     """Compile a copy of a function with other meanings of some of its global names.
 
     Parameters
@@ -38,11 +38,12 @@ def compiled(function: Callable[..., Any], names: dict[str, object], **options: 
     function : function
     names : dict
         Meanings by name.
+    name : str
+        Of the copy: numba's disk cache tells functions of a module apart by their names.
     **options : bool
-        Of `numba.njit`; the copy is named after them, since numba's disk cache tells functions of a module apart by their names.
+        Of `numba.njit`.
     """
     assert isinstance(function, types.FunctionType)
-    name = "_".join([function.__name__, *sorted(options)])
     copy = types.FunctionType(function.__code__, function.__globals__ | names, name, function.__defaults__)
     copy.__module__, copy.__qualname__ = function.__module__, name
     return njit(**ARITHMETIC, **cast(dict[str, Any], options))(copy)

@@ -3,7 +3,7 @@
 from mpmverify.problem import Array
 
 from .compilation import jit
-from .state import Faces, Grid, Nodes
+from .state import Faces, Grid, Nodes, Strips
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -16,11 +16,23 @@ def leapfrog(n: int, dt: float) -> tuple[float, float]:
 
 
 @jit
-def clear(nodes: Nodes, begin: int, end: int) -> None:
+def clear(
+    nodes: Nodes,
+    strips: Strips,
+    velocity: Array,
+    massless: float,
+    body: Array,
+    load: int,
+    kick: float,
+    step: float,
+    sums: Array,
+    begin: int,
+    end: int,
+) -> None:
     """Nothing at the nodes from `begin` to `end`."""
-    for sums in (nodes.inertia, nodes.internal, nodes.external):
-        for c in range(sums.shape[0]):
-            values = sums[c, begin:end]
+    for totals in (nodes.inertia, nodes.internal, nodes.external):
+        for c in range(totals.shape[0]):
+            values = totals[c, begin:end]
             for i in range(values.size):
                 values[i] = 0.0
 
@@ -45,17 +57,29 @@ def repeat(grid: Grid, values) -> None:
 
 
 @jit
-def nodal_velocity(nodes: Nodes, velocity, massless: float, added, begin: int, end: int) -> None:
-    """v_I = p_I/m_I of the nodes from `begin` to `end`; `added` (d,) is the momentum that this adds, where there is no mass."""
+def nodal_velocity(
+    nodes: Nodes,
+    strips: Strips,
+    velocity: Array,
+    massless: float,
+    body: Array,
+    load: int,
+    kick: float,
+    step: float,
+    sums: Array,
+    begin: int,
+    end: int,
+) -> None:
+    """v_I = p_I/m_I of the nodes from `begin` to `end`; `sums` (d,) is the momentum that this adds, where there is no mass."""
     mass = nodes.inertia[0, begin:end]
     for c in range(velocity.shape[0]):
         momentum, v = nodes.inertia[1 + c, begin:end], velocity[c, begin:end]
         for i in range(mass.size):
             v[i] = momentum[i] / mass[i] if mass[i] > massless else 0.0
-        added[c] = 0.0
+        sums[c] = 0.0
         for i in range(mass.size):
             if 0 < mass[i] <= massless:
-                added[c] -= momentum[i]
+                sums[c] -= momentum[i]
 
 
 @jit
@@ -78,7 +102,19 @@ def load_faces(nodes: Nodes, faces: Faces, n: int) -> None:
 
 
 @jit
-def accelerate(nodes: Nodes, body: Array, load: int, massless: float, begin: int, end: int) -> None:
+def accelerate(
+    nodes: Nodes,
+    strips: Strips,
+    velocity: Array,
+    massless: float,
+    body: Array,
+    load: int,
+    kick: float,
+    step: float,
+    sums: Array,
+    begin: int,
+    end: int,
+) -> None:
     """a_I = f_I/m_I of the nodes from `begin` to `end`, with m_I b_I of a body force (n, d) at nodes; the external force is the
     reaction where there is no mass.
     """
@@ -105,7 +141,19 @@ def hold_acceleration(grid: Grid, nodes: Nodes, faces: Faces, n: int, dt: float)
 
 
 @jit
-def kick_nodes(nodes: Nodes, kick: float, step: float, sums, begin: int, end: int) -> None:
+def kick_nodes(
+    nodes: Nodes,
+    strips: Strips,
+    velocity: Array,
+    massless: float,
+    body: Array,
+    load: int,
+    kick: float,
+    step: float,
+    sums: Array,
+    begin: int,
+    end: int,
+) -> None:
     """v_I += step a_I of the nodes from `begin` to `end`, where it is held it arrives at v_b(t^{n+1/2}); the momentum is set to zero for
     another projection. Before, sum_I f_I v_I at t^n and sum_I f_I of the external forces (1 + d,).
     """

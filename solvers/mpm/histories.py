@@ -8,9 +8,7 @@ from mpmverify.problem import Array
 
 from .compilation import jit
 from .grid import leapfrog
-from .order import Strips
-from .passes import HEAT, KINETIC, MOMENTUM, STRAIN
-from .state import Grid, Histories, Nodes, Scheme
+from .state import HEAT, KINETIC, MOMENTUM, STRAIN, Grid, Histories, Nodes, Scheme, Strips
 
 COMPLETED, UNSTABLE, NON_FINITE, LEFT_GRID, INVERTED, UNSORTED = range(6)
 POWER, WORK, GIVEN, TURNED, IMPULSE = range(5)

@@ -6,7 +6,7 @@ this out by itself. All here is for compiled code alone.
 
 import operator
 from collections.abc import Callable
-from functools import partial, reduce
+from functools import reduce
 from typing import Any, cast
 
 from llvmlite import ir
@@ -235,9 +235,6 @@ def total(typingctx, value):
     return types.float64(value), code
 
 
-# Vectors: tuples of any length.
-
-
 def times(builder, a, b):
     """Product, or nothing if there is no factor."""
     return None if a is None else builder.fmul(*both(builder, a, b))
@@ -263,62 +260,5 @@ def as_tuple(context, builder, sig, values):
     return context.make_tuple(builder, sig.return_type, [splat(builder, v) if lanewise else v for v in values])
 
 
-def _value(context, builder, kind, value):
+def value_of(context, builder, kind, value):
     return value if kind == LANES else context.cast(builder, value, kind, types.float64)
-
-
-@intrinsic
-def axpy(typingctx, a, x, y):
-    """Sum a x + y of vectors."""
-
-    def code(context, builder, sig, args):
-        factor = _value(context, builder, a, args[0])
-        pairs = zip(*unpacked(builder, args[1:]), strict=True)
-        return as_tuple(context, builder, sig, [plus(builder, times(builder, factor, p), q) for p, q in pairs])
-
-    lanewise = LANES in (a, x.dtype, y.dtype)
-    return types.UniTuple(LANES if lanewise else types.float64, x.count)(a, x, y), code
-
-
-@intrinsic
-def scale(typingctx, a, x):
-    """Product a x with a vector."""
-
-    def code(context, builder, sig, args):
-        factor = _value(context, builder, a, args[0])
-        return as_tuple(context, builder, sig, [times(builder, factor, p) for p in cgutils.unpack_tuple(builder, args[1])])
-
-    return types.UniTuple(LANES if LANES in (a, x.dtype) else types.float64, x.count)(a, x), code
-
-
-@intrinsic
-def by_components(typingctx, x, y):
-    """Products of the components of vectors."""
-
-    def code(context, builder, sig, args):
-        pairs = zip(*unpacked(builder, args), strict=True)
-        return as_tuple(context, builder, sig, [times(builder, p, q) for p, q in pairs])
-
-    return types.UniTuple(LANES if LANES in (x.dtype, y.dtype) else types.float64, x.count)(x, y), code
-
-
-@intrinsic
-def less(typingctx, x, a):
-    """Components of a vector less a value."""
-
-    def code(context, builder, sig, args):
-        items = cgutils.unpack_tuple(builder, args[0])
-        return as_tuple(context, builder, sig, [builder.fsub(*both(builder, item, args[1])) for item in items])
-
-    return types.UniTuple(LANES if LANES in (x.dtype, a) else types.float64, x.count)(x, a), code
-
-
-@intrinsic
-def dot(typingctx, x, y):
-    """Product x . y of vectors."""
-
-    def code(context, builder, sig, args):
-        pairs = zip(*unpacked(builder, args), strict=True)
-        return reduce(partial(plus, builder), [times(builder, p, q) for p, q in pairs])
-
-    return (LANES if LANES in (x.dtype, y.dtype) else types.float64)(x, y), code

@@ -5,12 +5,24 @@ from typing import Any
 from mpmverify.problem import Array
 
 from .compilation import SOURCES, WITHOUT_ENTRY, compiled
-from .grid import add_term, begin_series, hold_acceleration, hold_velocity, join, leapfrog, load_faces
+from .grid import (
+    accelerate,
+    add_term,
+    begin_series,
+    clear,
+    hold_acceleration,
+    hold_velocity,
+    join,
+    kick_nodes,
+    leapfrog,
+    load_faces,
+    nodal_velocity,
+)
 from .histories import COMPLETED, INVERTED, LEFT_GRID, TURNED, UNSORTED, add_up, heat_of, record_sums
-from .order import ARRANGED, INTERVAL, Strips
-from .passes import MUSL, USF, USL, record_fields
-from .state import FAILED, STRAYED, Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme, columns_of
-from .sweeps import ACCELERATE, ARRANGE, CLEAR, KICK, SMOOTH, STRAIN_ALONE, TO_GRID, TO_PARTICLES, VELOCITY, sweep, sweep_nodes
+from .order import ARRANGED, INTERVAL, arrange
+from .passes import MUSL, USF, USL, grid_to_particles, particles_to_grid, record_fields, smooth, strain_particles
+from .state import FAILED, STRAYED, Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme, Strips, columns_of
+from .sweeps import IN_THREADS
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -42,11 +54,11 @@ def refine(
     if len(series) > 0:
         begin_series(nodes, values)
         for _ in range(scheme.terms - 1):
-            sweep(SMOOTH, scheme, grid, particles, nodes, strips, body, 0, 0, 0.0, False, False)
+            smooth(scheme, grid, particles, nodes, strips, 0, body, 0, 0, 0.0, False, False)
             add_term(grid, nodes, faces, massless, total, reaction, added)
 
 
-def march(
+def march_through(
     scheme: Scheme,
     grid: Grid,
     particles: Particles,
@@ -95,7 +107,7 @@ def march(
     heaviest = 0.0
     for p in range(particles.place.size):
         heaviest = max(heaviest, particles.state[p, columns_of(grid.lower).mass])
-    massless, last, strayed = MASSLESS * heaviest, faces.force.shape[1] - 1, False
+    massless, last, strayed, count = MASSLESS * heaviest, faces.force.shape[1] - 1, False, nodes.inertia.shape[1]
     many, series, turns = strips.passed.size > 1, scheme.series, scheme.full_mass
     velocity, nodal_body = nodes.velocity, body if scheme.nodal_body else body[:0]
     nothing, added, power_and_force = (
@@ -110,27 +122,27 @@ def march(
         if strayed or (many and n - begin == INTERVAL):
             return UNSORTED, n, output
         if n == begin or (n % ARRANGED == 0 and not scheme.total):
-            sweep(ARRANGE, scheme, grid, particles, nodes, strips, body, 0, n, dt, False, False)
-        sweep_nodes(CLEAR, nodes, strips, velocity, massless, body, 0, 0.0, 0.0, nothing)
+            arrange(scheme, grid, particles, nodes, strips, 0, body, 0, 0, 0.0, False, False)
+        clear(nodes, strips, velocity, massless, body, 0, 0.0, 0.0, nothing, 0, count)
         load, forces, recorded = n - begin, scheme.schedule != USF or n == 0, histories.step[record] == n
-        if sweep(TO_GRID, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, forces) == FAILED:
+        if particles_to_grid(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, forces) == FAILED:
             return LEFT_GRID, n, output
         join(grid, nodes.inertia)
-        sweep_nodes(VELOCITY, nodes, strips, velocity, massless, body, 0, 0.0, 0.0, added)
+        nodal_velocity(nodes, strips, velocity, massless, body, 0, 0.0, 0.0, added, 0, count)
         hold_velocity(grid, nodes, faces, n, velocity, added)
         sums = velocity if turns else nodes.projected
         if len(series) > 0 and not turns:
             sums[:] = 0.0
         refine(series, scheme, grid, particles, nodes, faces, strips, body, massless, velocity, sums, 0.0, added)
         if not forces:
-            passed = sweep(STRAIN_ALONE, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, forces)
+            passed = strain_particles(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, forces)
             if passed == FAILED:
                 return INVERTED, n, output
             running[TURNED] += heat_of(strips)
         join(grid, nodes.internal)
         join(grid, nodes.external)
         load_faces(nodes, faces, n)
-        sweep_nodes(ACCELERATE, nodes, strips, velocity, massless, nodal_body, load, 0.0, 0.0, nothing)
+        accelerate(nodes, strips, velocity, massless, nodal_body, load, 0.0, 0.0, nothing, 0, count)
         hold_acceleration(grid, nodes, faces, n, dt)
         if turns:
             sums = nodes.acceleration
@@ -140,10 +152,10 @@ def march(
             first, stop = strips.particles[0], strips.particles[-1]
             record_fields(scheme, grid, particles, nodes, outputs, output, n, dt, first, stop)
         kick, step = leapfrog(n, dt)
-        sweep_nodes(KICK, nodes, strips, velocity, massless, body, 0, kick, step, power_and_force)
+        kick_nodes(nodes, strips, velocity, massless, body, 0, kick, step, power_and_force, 0, count)
         add_up(scheme, histories, record, recorded, running, added, power_and_force, n, dt)
         advance = n < last
-        passed = sweep(TO_PARTICLES, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, advance)
+        passed = grid_to_particles(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, advance)
         if recorded:
             status = record_sums(grid, nodes, strips, histories, record, running)
             if status != COMPLETED:
@@ -156,12 +168,12 @@ def march(
             running[TURNED] += heat_of(strips)
         if scheme.schedule == MUSL:
             join(grid, nodes.inertia)
-            sweep_nodes(VELOCITY, nodes, strips, nodes.projected, massless, body, 0, 0.0, 0.0, added)
+            nodal_velocity(nodes, strips, nodes.projected, massless, body, 0, 0.0, 0.0, added, 0, count)
             hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)
             if turns:
                 sums = nodes.projected
                 refine(series, scheme, grid, particles, nodes, faces, strips, body, massless, sums, sums, 0.0, added)
-            passed = sweep(STRAIN_ALONE, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, advance)
+            passed = strain_particles(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, advance)
             running[TURNED] += heat_of(strips)
         if passed == FAILED:
             return INVERTED, n + 1, output
@@ -169,16 +181,12 @@ def march(
     return COMPLETED, end, output
 
 
-def _assembled(march: Any, of_sweep: dict[str, bool], **options: bool) -> Any:
-    passes = {one.__name__: compiled(one, {}, **WITHOUT_ENTRY, **of_sweep) for one in (sweep, sweep_nodes)}
-    return compiled(
-        march,
-        passes | {"refine": compiled(refine, passes, **WITHOUT_ENTRY, **options)},
-        cache=True,
-        no_cfunc_wrapper=True,
-        **options,
-    )
+def _assembled(name: str, passes: dict[str, Any], **options: bool) -> Any:
+    """The loop with its passes; it allocates nothing, and to count references would take as long to compile as all passes."""
+    series = {"refine": compiled(refine, passes, f"refine_of_{name}", **WITHOUT_ENTRY, **options)}
+    return compiled(march_through, passes | series, name, cache=True, no_cfunc_wrapper=True, **options)
 
 
-march_in_threads = _assembled(march, {"parallel": True}, nogil=True)
-march = _assembled(march, {"_nrt": False}, _nrt=False)
+march = _assembled("march", {}, _nrt=False)
+"""In one thread, where there is one strip."""
+march_in_threads = _assembled("march_in_threads", IN_THREADS, nogil=True)

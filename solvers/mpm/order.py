@@ -1,22 +1,17 @@
 """Order of the particles: by cell for the memory, and in strips that threads may work on at the same time."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from mpmverify.problem import Array
 
 from .compilation import ARITHMETIC, SOURCES, jit
-from .state import PASSED, Grid, Integers, Particles, Scheme
+from .state import PASSED, Grid, Integers, Nodes, Particles, Scheme, Strips
 from .stencil import found, inside, node_of, place
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
-LARGE = 5_000
-"""Fewer particles stay in one strip: they fit into the cache in any order, and threads cost more than they bring."""
 MOST_STRIPS = 16
 BEYOND = 3
 """Rows of nodes beyond a strip on either side in which the functions of its particles may begin."""
@@ -26,29 +21,9 @@ ARRANGED = 4
 """Steps after which those of one stencil are brought together again in the order of the passes."""
 
 
-class Strips(NamedTuple):
-    """S strips of cells across the last axis, each with its particles.
-
-    First particle of each strip and the number of particles (S + 1,), first row of cells of each strip and the number of rows
-    (S + 1,), how far its particles may go before they are sorted again (S, 2) [m], what the passes say of each strip (S,) and the
-    sums that they leave; those that passes over as many parts of the nodes leave (S, 8), a cache line each, and two sums
-    of these (2, 8). The first nodes of the particles (P,), and how many of a strip have each (S, C), for `arrange`.
-    """
-
-    particles: Integers
-    rows: Integers
-    limits: Array
-    passed: Integers
-    sums: Array
-    nodal: Array
-    total: Array
-    node: NDArray[np.int32]
-    shares: Integers
-
-
-def strips(lower: float, h: float, rows: int, width: int, particles: int, moving: bool, nodes: int = 1) -> Strips:
-    """Strips for a grid of so many rows of cells, with so many `nodes` from row to row: of the same length, and not so short that two of one
-    colour could meet.
+def strips(lower: float, h: float, rows: int, width: int, particles: int, moving: bool, nodes: int, many: bool) -> Strips:
+    """Strips for a grid of so many rows of cells, with so many `nodes` from row to row: one, or where there are `many` particles several of
+    the same length, and not so short that two of one colour could meet.
 
     Notes
     -----
@@ -57,7 +32,7 @@ def strips(lower: float, h: float, rows: int, width: int, particles: int, moving
     two strips of a colour lie width + 1 rows. Where functions stay with their material points (`moving` false), particles do not
     leave their strips.
     """
-    count = min(MOST_STRIPS, rows // (width + 1)) // 2 * 2 if particles >= LARGE else 1
+    count = min(MOST_STRIPS, rows // (width + 1)) // 2 * 2 if many else 1
     count = max(count, 1)
     first = (np.arange(count + 1) * rows // count).astype(np.int64)
     limits = np.stack([lower + h * (first[:-1] - 1), lower + h * (first[1:] + 1)], axis=1)
@@ -80,11 +55,25 @@ def strips(lower: float, h: float, rows: int, width: int, particles: int, moving
 
 
 @jit
-def arrange(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, s: int, begin: int, end: int) -> int:
-    """Bring the particles of a strip from `begin` to `end` together by their first node in the order of the passes (counting sort, stable).
+def arrange(
+    scheme: Scheme,
+    grid: Grid,
+    particles: Particles,
+    nodes: Nodes,
+    strips: Strips,
+    s: int,
+    body: Array,
+    load: int,
+    n: int,
+    dt: float,
+    record: bool,
+    advance: bool,
+) -> int:
+    """Bring the particles of a strip together by their first node in the order of the passes (counting sort, stable).
 
     One that is anywhere else counts as in the first or the last row; it is the passes that look where it is.
     """
+    begin, end = strips.particles[s], strips.particles[s + 1]
     node, share, order = strips.node, strips.shares[s], particles.order
     lowest, highest = grid.stride[-1] * (strips.rows[s] - BEYOND), share.size - 2
     for c in range(share.size):

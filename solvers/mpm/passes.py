@@ -1,26 +1,41 @@
-"""The passes of a step over the particles from `begin` to `end`, up to four at a time."""
+"""The passes of a step over the particles of a strip, up to four at a time.
+
+All take the same: how many steps the `load` is on in the block of body forces, the step n, and whether to `record` it and to `advance`.
+"""
 
 from mpmverify.problem import Array
 
+from .affine import gather_affine, spin_with, spread_momentum
 from .compilation import jit
-from .constitution import dissipation, finite_strain, reference_stress, strain_energy, stress, viscous
+from .constitution import finite_strain
+from .deformation import force_columns, move, stored_energy, strain
 from .grid import leapfrog
-from .lanes import axpy, dot, floor, lanes_of, positive, scale, total
-from .memory import add_field, gathered_by, row, rows, store, store_rows
-from .state import FAILED, PASSED, STRAYED, Grid, Nodes, Outputs, Particles, Scheme, columns_of
-from .stencil import Group, domain, group, moments, places, support
-from .tensors import Symmetric, Tensor, deform, det, full
+from .lanes import total
+from .memory import row, rows, store_rows
+from .state import (
+    FAILED,
+    HEAT,
+    KINETIC,
+    MOMENTUM,
+    PASSED,
+    STRAIN,
+    Grid,
+    Nodes,
+    Outputs,
+    Particles,
+    Scheme,
+    Strips,
+    columns_of,
+)
+from .stencil import domain, group, places, support
+from .tensors import det
 from .transfer import gather, gather_tensor, spread, spread_tensor
-from .vectors import Vector, axial, by_columns, columns, constant, cross, null, quotient, with_mass
+from .vectors import Vector, axpy, cross, dot, null, scale, with_mass
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 USF, USL, MUSL = range(3)
-NO_AFFINE, APIC, TPIC = (), (0.0,), (0.0, 0.0)
-"""What of the velocity's variation about a particle is kept; their lengths tell them apart where a function is compiled."""
-KINETIC, STRAIN, HEAT, MOMENTUM = range(4)
-"""Columns of the sums of a pass; the momentum takes one for each direction, and then comes the angular momentum."""
 
 
 @jit
@@ -42,59 +57,27 @@ def spread_inertia(kind, grid: Grid, particles: Particles, nodes: Nodes, numbers
 
 
 @jit
-def spread_momentum(kind, grid: Grid, particles: Particles, nodes: Nodes, numbers, m, v: Vector, at) -> None:
-    """p_I += m_p N_Ip [v_p + B_p D_p^-1 (x_I - x_p)], where TPIC keeps the gradient C_p = B_p D_p^-1, and v_p alone when none is kept."""
-    if len(kind) == 0:
-        spread(grid, nodes.inertia, 1, at, scale(m, v))
-    else:
-        e, D = moments(grid, at[3], at[4], at[1])
-        kept = rows(particles.state, numbers, columns_of(grid.lower).affine, null(grid.lower)[1])
-        C = columns(kept, constant(m / grid.scale, D) if len(kind) == 2 else quotient(m * grid.scale, D))
-        add_field(grid, nodes.inertia, 1, at[0], at[1], e, scale(m, v), C)
-
-
-@jit
-def gather_affine(kind, grid: Grid, nodes: Nodes, at, gradient):
-    """What the transfer keeps: B_p = sum_I v_I N_Ip (x_I - x_p)^T, or the gradient for TPIC; nothing else."""
-    if len(kind) == 1:
-        e, _ = moments(grid, at[3], at[4], at[1])
-        return scale(1 / grid.scale, gathered_by(grid, nodes.velocity, at[0], at[1], e))
-    if len(kind) == 2:
-        return gradient
-    return ()
-
-
-@jit
-def spin_with(kind, grid: Grid, particles: Particles, numbers, at, spin: Vector):
-    """Angular momentum of particles per unit of their mass, with what they keep of it about themselves."""
-    if len(kind) == 0:
-        return spin
-    kept = rows(particles.state, numbers, columns_of(grid.lower).affine, null(grid.lower)[1])
-    if len(kind) == 1:
-        return axpy(1.0, spin, axial(kept))
-    D = scale(1 / (grid.scale * grid.scale), moments(grid, at[3], at[4], at[1])[1])
-    return axpy(1.0, spin, axial(by_columns(kept, D)))
-
-
-@jit
-def force_columns(scheme: Scheme, V0, sigma: Symmetric, F: Tensor, like: Vector):
-    """-V sigma by columns, or -V0 P in the total Lagrangian formulation."""
-    if scheme.total:
-        return columns(reference_stress(scheme.law, sigma, F), constant(-V0, like))
-    return columns(full(sigma), constant(-V0 * det(F), like))
-
-
-@jit
 def particles_to_grid(
-    scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, body: Array, load: int, forces: bool, begin: int, end: int
+    scheme: Scheme,
+    grid: Grid,
+    particles: Particles,
+    nodes: Nodes,
+    strips: Strips,
+    s: int,
+    body: Array,
+    load: int,
+    n: int,
+    dt: float,
+    record: bool,
+    advance: bool,
 ) -> int:
-    """m_I = sum_p m_p N_Ip, p_I = sum_p m_p N_Ip [v_p + B_p D_p^-1 (x_I - x_p)] and, with `forces`, f_I.
+    """m_I = sum_p m_p N_Ip, p_I = sum_p m_p N_Ip [v_p + B_p D_p^-1 (x_I - x_p)] and, unless USF has yet to `advance` the strain, f_I.
 
     Internal -sum_p V_p sigma_p dN_Ip/dx and external sum_p m_p b_p N_Ip. FAILED when a particle is not on the grid.
     """
     zero, tensor, symmetric = null(grid.lower)
     column = columns_of(zero)
-    state, p = particles.state, begin
+    state, p, end = particles.state, strips.particles[s], strips.particles[s + 1]
     while p < end:
         some = group(grid.kind, scheme, grid, particles, p, end)
         if some.size == 0:
@@ -104,7 +87,7 @@ def particles_to_grid(
         m, V = scale(some.present, rows(state, some.numbers, column.mass, (0.0, 0.0)))
         v, sigma = rows(state, some.numbers, column.velocity, zero), rows(state, some.numbers, column.stress, symmetric)
         spread_inertia(scheme.affine, grid, particles, nodes, some.numbers, m, v, at)
-        if forces:
+        if advance:
             spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
         if body.shape[0] > 0 and not scheme.nodal_body:
             b = rows(body[load], places(particles, some.numbers), 0, zero)
@@ -114,9 +97,22 @@ def particles_to_grid(
 
 
 @jit
-def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, begin: int, end: int) -> int:
+def smooth(
+    scheme: Scheme,
+    grid: Grid,
+    particles: Particles,
+    nodes: Nodes,
+    strips: Strips,
+    s: int,
+    body: Array,
+    load: int,
+    n: int,
+    dt: float,
+    record: bool,
+    advance: bool,
+) -> int:
     """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of the nodes, to the particles and back."""
-    p = begin
+    p, end = strips.particles[s], strips.particles[s + 1]
     while p < end:
         some, at = stencil_of(scheme, grid, particles, p, end)
         m = some.present * rows(particles.state, some.numbers, columns_of(grid.lower).mass, (0.0,))[0]
@@ -126,70 +122,19 @@ def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, begin
 
 
 @jit
-def strain(
-    scheme: Scheme, particles: Particles, p: int, some: Group, increment: Tensor, dt: float, sums: Array, zero: Vector
-) -> int:
-    """F += dt dv/dX or F = (I + dt dv/dx) F, the stress that the law makes of it, and the energy that turned into heat.
-
-    The particles are those from place p of the order on. FAILED at a law or a volume that meets J <= 0.
-    """
-    column, state = columns_of(zero), particles.state
-    before, sigma = rows(state, some.numbers, column.F, increment), rows(state, some.numbers, column.stress, null(zero)[2])
-    F = axpy(1.0, increment, before) if scheme.total else deform(increment, before)
-    store_rows(state, some.numbers, column.F, F)
-    if len(scheme.law) == 1:
-        store_rows(state, some.numbers, column.stress, stress(scheme.law, scheme.constants, sigma, F, increment, dt))
-    else:
-        for k in range(some.size):
-            q, F_k, sigma_k, increment_k = particles.order[p + k], lanes_of(F, k), lanes_of(sigma, k), lanes_of(increment, k)
-            if viscous(scheme.law):
-                V = state[q, column.volume] * (1.0 if scheme.total else det(lanes_of(before, k)))
-                sums[HEAT] += V * dissipation(scheme.law, scheme.constants, sigma_k, increment_k, dt)
-            store(state, (q, column.stress), stress(scheme.law, scheme.constants, sigma_k, F_k, increment_k, dt))
-    return PASSED if positive(det(F)) or (scheme.total and not finite_strain(scheme.law)) else FAILED
-
-
-@jit
-def move(grid: Grid, state: Array, some: Group, increment: Vector, limits: Array) -> int:
-    """Move by x += dt v; STRAYED when a last coordinate, on a periodic axis all its images, passes the limits (2,) [m]."""
-    x = axpy(1.0, increment, rows(state, some.numbers, 0, increment))
-    store_rows(state, some.numbers, 0, x)
-    y, last = x[-1], len(increment) - 1
-    if grid.periodic[last] and not within(y, limits):
-        y = y - (grid.cells[last] / grid.scale) * floor((y - limits[0]) * (grid.scale / grid.cells[last]))
-    return PASSED if within(y, limits) else STRAYED
-
-
-@jit
-def within(y, limits: Array) -> bool:
-    """Whether values lie between limits (2,)."""
-    return positive(y - limits[0]) and positive(limits[1] - y)
-
-
-@jit
-def stored_energy(scheme: Scheme, particles: Particles, p: int, zero: Vector) -> float:
-    """Strain energy of a particle."""
-    column = columns_of(zero)
-    F, sigma = row(particles.state, (p, column.F), null(zero)[1]), row(particles.state, (p, column.stress), null(zero)[2])
-    current = not scheme.total and not finite_strain(scheme.law)
-    J = det(F) if current else 1.0
-    return particles.state[p, column.volume] * J * strain_energy(scheme.law, scheme.constants, sigma, F)
-
-
-@jit
 def grid_to_particles(
     scheme: Scheme,
     grid: Grid,
     particles: Particles,
     nodes: Nodes,
+    strips: Strips,
+    s: int,
+    body: Array,
+    load: int,
     n: int,
     dt: float,
     record: bool,
     advance: bool,
-    limits: Array,
-    sums: Array,
-    begin: int,
-    end: int,
 ) -> int:
     """To `record`, sums at t^n; then, to `advance`, v_p = flip (v_p + dt sum_I N_I a_I) + (1 - flip) sum_I N_I v_I, with the correction
     of XPIC, and what else a step changes.
@@ -201,7 +146,8 @@ def grid_to_particles(
     zero, _, _ = null(grid.lower)
     column = columns_of(zero)
     kick, step = leapfrog(n, dt)
-    passed, state, p = PASSED, particles.state, begin
+    passed, state, p, end = PASSED, particles.state, strips.particles[s], strips.particles[s + 1]
+    limits, sums = strips.limits[s], strips.sums[s]
     for c in range(sums.size):
         sums[c] = 0.0
     while p < end:
@@ -234,7 +180,7 @@ def grid_to_particles(
             else:
                 passed = min(passed, move(grid, state, some, scale(dt, moved), limits))
                 if scheme.schedule == USL:
-                    passed = min(passed, strain(scheme, particles, p, some, scale(dt, gradient), dt, sums, zero))
+                    passed = min(passed, strain(scheme.law, scheme, particles, p, some, scale(dt, gradient), dt, sums, zero))
         p += max(some.size, 1)
     return passed
 
@@ -252,7 +198,18 @@ def add_totals(sums: Array, first: int, m, some: Vector) -> None:
 
 @jit
 def strain_particles(
-    scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, dt: float, limits: Array, sums: Array, begin: int, end: int
+    scheme: Scheme,
+    grid: Grid,
+    particles: Particles,
+    nodes: Nodes,
+    strips: Strips,
+    s: int,
+    body: Array,
+    load: int,
+    n: int,
+    dt: float,
+    record: bool,
+    advance: bool,
 ) -> int:
     """A pass of its own for strain and stress: at the beginning of a step for USF, at its end for MUSL.
 
@@ -262,7 +219,8 @@ def strain_particles(
     zero, tensor, symmetric = null(grid.lower)
     column = columns_of(zero)
     passed, first_of_all = PASSED, scheme.schedule == USF
-    state, p = particles.state, begin
+    state, p, end = particles.state, strips.particles[s], strips.particles[s + 1]
+    limits, sums = strips.limits[s], strips.sums[s]
     sums[HEAT] = 0.0
     nodal = nodes.velocity if first_of_all else nodes.projected
     while p < end:
@@ -270,7 +228,7 @@ def strain_particles(
         gradient, moved = gather_tensor(grid, nodal, at), gather(grid, nodes.velocity, at)
         if not first_of_all:
             passed = min(passed, move(grid, state, some, scale(dt, moved), limits))
-        passed = min(passed, strain(scheme, particles, p, some, scale(dt, gradient), dt, sums, zero))
+        passed = min(passed, strain(scheme.law, scheme, particles, p, some, scale(dt, gradient), dt, sums, zero))
         if first_of_all:
             F, sigma = rows(state, some.numbers, column.F, tensor), rows(state, some.numbers, column.stress, symmetric)
             V = some.present * rows(state, some.numbers, column.volume, (0.0,))[0]

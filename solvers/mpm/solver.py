@@ -30,8 +30,8 @@ from .constitution import LAWS, constitution
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
 from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSORTED, UNSTABLE, by_component, no_histories
 from .layout import REGULAR, Layout, place_particles
-from .order import Strips, sort, strips
-from .state import Grid, Nodes, Outputs, Particles, Scheme, columns_like, grid_of, nodal
+from .order import sort, strips
+from .state import Grid, Nodes, Outputs, Particles, Scheme, Strips, columns_like, grid_of, nodal
 from .transfers import FLIP, Transfer
 
 SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
@@ -281,7 +281,7 @@ class MaterialPoint:
         rows, moving = at.cells(problem)[-1], self.formulation == "updated"
         lanes = 2 if len(grid.width) == 2 else 4
         reach = {GIMP: lanes + 1, CPDI: lanes + 2}.get(grid.kind, lanes)  # a domain begins before the cell of its particle
-        return strips(grid.lower[-1], at.h, rows, reach, count, moving, grid.stride[-1])
+        return strips(grid.lower[-1], at.h, rows, reach, count, moving, grid.stride[-1], count >= MANY)
 
     def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:
         """Lay the particles out in the initial state of the body."""

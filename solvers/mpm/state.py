@@ -16,6 +16,8 @@ from .vectors import Vector
 Integers = NDArray[np.int64]
 FAILED, STRAYED, PASSED = range(3)
 """What a pass says of its particles."""
+KINETIC, STRAIN, HEAT, MOMENTUM = range(4)
+"""Columns of the sums of a pass; the momentum takes one for each direction, and then comes the angular momentum."""
 
 
 class Scheme(NamedTuple):
@@ -197,6 +199,26 @@ class Faces(NamedTuple):
     area: Array
     velocity: Array
     force: Array
+
+
+class Strips(NamedTuple):
+    """S strips of cells across the last axis, each with its particles.
+
+    First particle of each strip and the number of particles (S + 1,), first row of cells of each strip and the number of rows
+    (S + 1,), how far its particles may go before they are sorted again (S, 2) [m], what the passes say of each strip (S,) and the
+    sums that they leave; those that passes over as many parts of the nodes leave (S, 8), a cache line each, and two sums
+    of these (2, 8). The first nodes of the particles (P,), and how many of a strip have each (S, C), for `arrange`.
+    """
+
+    particles: Integers
+    rows: Integers
+    limits: Array
+    passed: Integers
+    sums: Array
+    nodal: Array
+    total: Array
+    node: NDArray[np.int32]
+    shares: Integers
 
 
 class Outputs(NamedTuple):

@@ -12,11 +12,11 @@ import numpy as np
 
 from .basis import LONGEST, ONE, SHORTEST, along, integrated_along, moment_along
 from .compilation import jit
-from .lanes import axpy, lanes, largest, least, repeated, scale, split
+from .lanes import lanes, largest, least, repeated, split
 from .memory import row, rows
 from .state import Grid, Particles, Scheme, columns_of
 from .tensors import cofactor, det
-from .vectors import Vector, identity, null
+from .vectors import Vector, axpy, identity, null, scale
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"

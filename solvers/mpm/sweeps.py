@@ -1,31 +1,29 @@
-"""Passes over all particles and over all nodes, in one thread or in several: their parts do not depend on how many there are."""
+"""Passes over all particles and over all nodes in threads: their parts do not depend on how many there are."""
+
+from typing import Any
 
 from numba import prange
 
 from mpmverify.problem import Array
 
+from .compilation import WITHOUT_ENTRY, compiled
 from .constitution import Constants
 from .grid import accelerate, clear, kick_nodes, nodal_velocity
-from .order import Strips, arrange
+from .order import arrange
 from .passes import grid_to_particles, particles_to_grid, smooth, strain_particles
-from .state import PASSED, Grid, Nodes, Particles, Scheme
+from .state import PASSED, Grid, Nodes, Particles, Scheme, Strips
 
-# Tuples whose length decides what a function returns have no annotation.
-# mypy: disable-error-code="no-untyped-def"
-
-TO_GRID, TO_PARTICLES, STRAIN_ALONE = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0)
-SMOOTH, ARRANGE = (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
-CLEAR, VELOCITY, ACCELERATE, KICK = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
-"""Passes over the particles and over the nodes; their lengths tell them apart where a function is compiled."""
+OF_PARTICLES: tuple[Any, ...] = (particles_to_grid, grid_to_particles, strain_particles, smooth, arrange)
+OF_NODES: tuple[Any, ...] = (clear, nodal_velocity, accelerate, kick_nodes)
 
 
-def sweep(
-    kind,
+def _over_strips(
     scheme: Scheme,
     grid: Grid,
     particles: Particles,
     nodes: Nodes,
     strips: Strips,
+    s: int,
     body: Array,
     load: int,
     n: int,
@@ -33,9 +31,7 @@ def sweep(
     record: bool,
     advance: bool,
 ) -> int:
-    """One pass over all strips, those of one colour at the same time; the worst of what it says of them.
-
-    Of the pass to the grid, `advance` says whether it takes the forces along.
+    """One pass over all strips from s on, those of one colour at the same time; the worst of what it says of them.
 
     Notes
     -----
@@ -66,29 +62,16 @@ def sweep(
                 half,
                 stretched,
             )
-            s = 2 * k + colour
-            first, stop = strips.particles[s], strips.particles[s + 1]
-            if len(kind) == 1:
-                passed = particles_to_grid(choices, space, particles, nodes, body, load, advance, first, stop)
-            elif len(kind) == 2:
-                passed = grid_to_particles(
-                    choices, space, particles, nodes, n, dt, record, advance, strips.limits[s], strips.sums[s], first, stop
-                )
-            elif len(kind) == 3:
-                passed = strain_particles(choices, space, particles, nodes, dt, strips.limits[s], strips.sums[s], first, stop)
-            elif len(kind) == 4:
-                passed = smooth(choices, space, particles, nodes, first, stop)
-            else:
-                passed = arrange(choices, space, particles, strips, s, first, stop)
-            said[s] = passed
+            number = s + 2 * k + colour
+            passed = one_pass(choices, space, particles, nodes, strips, number, body, load, n, dt, record, advance)
+            said[number] = passed
     worst = PASSED
-    for s in range(count):
-        worst = min(worst, said[s])
+    for number in range(count):
+        worst = min(worst, said[number])
     return worst
 
 
-def sweep_nodes(
-    kind,
+def _over_parts(
     nodes: Nodes,
     strips: Strips,
     velocity: Array,
@@ -97,21 +80,30 @@ def sweep_nodes(
     load: int,
     kick: float,
     step: float,
-    total: Array,
+    sums: Array,
+    begin: int,
+    end: int,
 ) -> None:
-    """One pass over all nodes in as many parts as there are strips, and the sum of what the parts leave (n,)."""
-    parts, count = strips.nodal.shape[0], nodes.inertia.shape[1]
+    """One pass over the nodes in as many parts as there are strips, and the sum of what the parts leave."""
+    parts = strips.nodal.shape[0]
     for k in prange(parts):
-        begin, end = count * k // parts, count * (k + 1) // parts
-        if len(kind) == 1:
-            clear(nodes, begin, end)
-        elif len(kind) == 2:
-            nodal_velocity(nodes, velocity, massless, strips.nodal[k], begin, end)
-        elif len(kind) == 3:
-            accelerate(nodes, body, load, massless, begin, end)
-        else:
-            kick_nodes(nodes, kick, step, strips.nodal[k], begin, end)
-    for c in range(total.size):
-        total[c] = 0.0
+        first, stop = begin + (end - begin) * k // parts, begin + (end - begin) * (k + 1) // parts
+        one_pass(nodes, strips, velocity, massless, body, load, kick, step, strips.nodal[k], first, stop)
+    for c in range(sums.size):
+        sums[c] = 0.0
         for k in range(parts):
-            total[c] += strips.nodal[k, c]
+            sums[c] += strips.nodal[k, c]
+
+
+one_pass: Any = None
+"""In a loop over strips or parts the pass that it is compiled for."""
+
+
+def _in_threads(over: Any, one: Any) -> Any:
+    return compiled(over, {"one_pass": one}, f"{over.__name__}_{one.py_func.__name__}", **WITHOUT_ENTRY, parallel=True)
+
+
+IN_THREADS = {one.py_func.__name__: _in_threads(_over_strips, one) for one in OF_PARTICLES} | {
+    one.py_func.__name__: _in_threads(_over_parts, one) for one in OF_NODES
+}
+"""The passes by name."""

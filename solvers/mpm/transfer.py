@@ -4,11 +4,10 @@ Numba knows the length of a tuple and drops the branches of the other kind of su
 """
 
 from .compilation import jit
-from .lanes import axpy, scale
 from .memory import add_field, gathered, gathered_by
 from .state import Grid
 from .stencil import corner
-from .vectors import combination, dyad, null
+from .vectors import axpy, combination, dyad, null, scale
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from mpmverify.errors import UsageError
 
-from .passes import APIC as WITH_MOMENT
-from .passes import NO_AFFINE
-from .passes import TPIC as WITH_GRADIENT
+from .affine import APIC as WITH_MOMENT
+from .affine import NO_AFFINE
+from .affine import TPIC as WITH_GRADIENT
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,74 @@
 """Vectors as tuples of numbers or lanes; numba knows their length and drops the branches of the others."""
 
+from functools import partial, reduce
+
+from numba.core import cgutils, types
+
 from .compilation import jit
-from .lanes import axpy, largest, scale
+from .lanes import LANES, as_tuple, both, intrinsic, largest, plus, times, unpacked, value_of
+
+# What numba calls while it compiles has types of its own.
+# mypy: disable-error-code="no-untyped-def"
 
 Vector = tuple[float, ...]
 TINY = 1e-200
+
+
+@intrinsic
+def axpy(typingctx, a, x, y):
+    """Sum a x + y of vectors."""
+
+    def code(context, builder, sig, args):
+        factor = value_of(context, builder, a, args[0])
+        pairs = zip(*unpacked(builder, args[1:]), strict=True)
+        return as_tuple(context, builder, sig, [plus(builder, times(builder, factor, p), q) for p, q in pairs])
+
+    lanewise = LANES in (a, x.dtype, y.dtype)
+    return types.UniTuple(LANES if lanewise else types.float64, x.count)(a, x, y), code
+
+
+@intrinsic
+def scale(typingctx, a, x):
+    """Product a x with a vector."""
+
+    def code(context, builder, sig, args):
+        factor = value_of(context, builder, a, args[0])
+        return as_tuple(context, builder, sig, [times(builder, factor, p) for p in cgutils.unpack_tuple(builder, args[1])])
+
+    return types.UniTuple(LANES if LANES in (a, x.dtype) else types.float64, x.count)(a, x), code
+
+
+@intrinsic
+def by_components(typingctx, x, y):
+    """Products of the components of vectors."""
+
+    def code(context, builder, sig, args):
+        pairs = zip(*unpacked(builder, args), strict=True)
+        return as_tuple(context, builder, sig, [times(builder, p, q) for p, q in pairs])
+
+    return types.UniTuple(LANES if LANES in (x.dtype, y.dtype) else types.float64, x.count)(x, y), code
+
+
+@intrinsic
+def less(typingctx, x, a):
+    """Components of a vector less a value."""
+
+    def code(context, builder, sig, args):
+        items = cgutils.unpack_tuple(builder, args[0])
+        return as_tuple(context, builder, sig, [builder.fsub(*both(builder, item, args[1])) for item in items])
+
+    return types.UniTuple(LANES if LANES in (x.dtype, a) else types.float64, x.count)(x, a), code
+
+
+@intrinsic
+def dot(typingctx, x, y):
+    """Product x . y of vectors."""
+
+    def code(context, builder, sig, args):
+        pairs = zip(*unpacked(builder, args), strict=True)
+        return reduce(partial(plus, builder), [times(builder, p, q) for p, q in pairs])
+
+    return (LANES if LANES in (x.dtype, y.dtype) else types.float64)(x, y), code
 
 
 @jit

@@ -1,0 +1,74 @@
+"""What particles do as their step goes on: they move, they strain, and the law answers with stress."""
+
+from mpmverify.problem import Array
+
+from .compilation import jit
+from .constitution import dissipation, finite_strain, reference_stress, strain_energy, stress, viscous
+from .lanes import floor, lanes_of, positive
+from .memory import row, rows, store, store_rows
+from .state import FAILED, HEAT, PASSED, STRAYED, Grid, Particles, Scheme, columns_of
+from .stencil import Group
+from .tensors import Symmetric, Tensor, deform, det, full
+from .vectors import Vector, axpy, columns, constant, null
+
+# Tuples whose length decides what a function returns have no annotation.
+# mypy: disable-error-code="no-untyped-def"
+
+
+@jit
+def force_columns(scheme: Scheme, V0, sigma: Symmetric, F: Tensor, like: Vector):
+    """-V sigma by columns, or -V0 P in the total Lagrangian formulation."""
+    if scheme.total:
+        return columns(reference_stress(scheme.law, sigma, F), constant(-V0, like))
+    return columns(full(sigma), constant(-V0 * det(F), like))
+
+
+@jit
+def strain(
+    law, scheme: Scheme, particles: Particles, p: int, some: Group, increment: Tensor, dt: float, sums: Array, zero: Vector
+) -> int:
+    """F += dt dv/dX or F = (I + dt dv/dx) F, the stress that the law makes of it, and the energy that turned into heat.
+
+    The particles are those from place p of the order on. FAILED at a law or a volume that meets J <= 0.
+    """
+    column, state = columns_of(zero), particles.state
+    before, sigma = rows(state, some.numbers, column.F, increment), rows(state, some.numbers, column.stress, null(zero)[2])
+    F = axpy(1.0, increment, before) if scheme.total else deform(increment, before)
+    store_rows(state, some.numbers, column.F, F)
+    if len(law) == 1:
+        store_rows(state, some.numbers, column.stress, stress(law, scheme.constants, sigma, F, increment, dt))
+    else:
+        for k in range(some.size):
+            q, F_k, sigma_k, increment_k = particles.order[p + k], lanes_of(F, k), lanes_of(sigma, k), lanes_of(increment, k)
+            if viscous(law):
+                V = state[q, column.volume] * (1.0 if scheme.total else det(lanes_of(before, k)))
+                sums[HEAT] += V * dissipation(law, scheme.constants, sigma_k, increment_k, dt)
+            store(state, (q, column.stress), stress(law, scheme.constants, sigma_k, F_k, increment_k, dt))
+    return PASSED if positive(det(F)) or (scheme.total and not finite_strain(scheme.law)) else FAILED
+
+
+@jit
+def move(grid: Grid, state: Array, some: Group, increment: Vector, limits: Array) -> int:
+    """Move by x += dt v; STRAYED when a last coordinate, on a periodic axis all its images, passes the limits (2,) [m]."""
+    x = axpy(1.0, increment, rows(state, some.numbers, 0, increment))
+    store_rows(state, some.numbers, 0, x)
+    y, last = x[-1], len(increment) - 1
+    if grid.periodic[last] and not within(y, limits):
+        y = y - (grid.cells[last] / grid.scale) * floor((y - limits[0]) * (grid.scale / grid.cells[last]))
+    return PASSED if within(y, limits) else STRAYED
+
+
+@jit
+def within(y, limits: Array) -> bool:
+    """Whether values lie between limits (2,)."""
+    return positive(y - limits[0]) and positive(limits[1] - y)
+
+
+@jit
+def stored_energy(scheme: Scheme, particles: Particles, p: int, zero: Vector) -> float:
+    """Strain energy of a particle."""
+    column = columns_of(zero)
+    F, sigma = row(particles.state, (p, column.F), null(zero)[1]), row(particles.state, (p, column.stress), null(zero)[2])
+    current = not scheme.total and not finite_strain(scheme.law)
+    J = det(F) if current else 1.0
+    return particles.state[p, column.volume] * J * strain_energy(scheme.law, scheme.constants, sigma, F)
