@@ -8,10 +8,10 @@ from numba.core.dispatcher import Dispatcher
 
 from mpmverify.solvers.mpm import basis, passes, stencil, transfer
 from mpmverify.solvers.mpm.compilation import ARITHMETIC
-from mpmverify.solvers.mpm.lanes import lanes_of, scale
+from mpmverify.solvers.mpm.lanes import lanes_of
 from mpmverify.solvers.mpm.order import strips
 from mpmverify.solvers.mpm.state import nodal
-from mpmverify.solvers.mpm.vectors import columns, constant
+from mpmverify.solvers.mpm.vectors import columns, constant, scale
 
 
 def callable_from_python(function):

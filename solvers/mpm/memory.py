@@ -174,7 +174,7 @@ def add_field(typingctx, grid, nodes, component, first, w, e, amount, slope):
 
 
 def _found(*functions: types.UniTuple) -> types.Type:
-    return LANES if any(function.dtype is LANES or function.dtype == LANES for function in functions) else types.float64
+    return LANES if any(function.dtype == LANES for function in functions) else types.float64
 
 
 def _loaded(context, builder, grid, value, nodes, array, first) -> list[list[list[ir.Value]]]:
