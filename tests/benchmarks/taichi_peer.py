@@ -70,7 +70,7 @@ class TaichiPeer:
         return first, w, d, r
 
     @ti.func
-    def node(self, first, offset):
+    def node(self, first, offset: ti.template()):
         """Numbers of a node, that along x last, brought back into the box."""
         k = ti.Vector.zero(ti.i32, self.d)
         for i in ti.static(range(self.d)):
@@ -79,7 +79,7 @@ class TaichiPeer:
         return k
 
     @ti.func
-    def product(self, w, offset):
+    def product(self, w: ti.template(), offset: ti.template()):
         """Product of functions along the axes."""
         N = 1.0
         for i in ti.static(range(self.d)):
@@ -87,7 +87,7 @@ class TaichiPeer:
         return N
 
     @ti.func
-    def gradient(self, w, d, offset):
+    def gradient(self, w: ti.template(), d: ti.template(), offset: ti.template()):
         """The same with a derivative in the place of each of them."""
         g = ti.Vector.one(ti.f64, self.d)
         for i, j in ti.static(ti.ndrange(self.d, self.d)):
