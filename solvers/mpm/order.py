@@ -71,7 +71,7 @@ def arrange(
 ) -> int:
     """Bring the particles of a strip together by their first node in the order of the passes (counting sort, stable).
 
-    One that is anywhere else counts as in the first or the last row; it is the passes that look where it is.
+    One that is elsewhere counts as in the first or the last row, one that is off the grid as the first: it is the passes that fail it.
     """
     begin, end = strips.particles[s], strips.particles[s + 1]
     node, share, order = strips.node, strips.shares[s], particles.order
@@ -79,8 +79,8 @@ def arrange(
     for c in range(share.size):
         share[c] = 0
     for p in range(begin, end):
-        _, first, _ = found(grid.kind, scheme, grid, particles, p)
-        node[p] = min(max(node_of(grid, first) - lowest, 0), highest)
+        here, first, _ = found(grid.kind, scheme, grid, particles, p)
+        node[p] = min(max(node_of(grid, first) - lowest, 0), highest) if here else 0
         share[node[p] + 1] += 1
     for c in range(highest + 1):
         share[c + 1] += share[c]
