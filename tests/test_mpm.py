@@ -433,10 +433,10 @@ def test_particles_that_stay_near_their_strip_are_not_sorted_at_every_step(condi
     assert len(sorted_at) == (2 + solution.work.steps // order.INTERVAL if many == 0 else 0), "one strip needs no sorting"
 
 
-@pytest.mark.parametrize("schedule", ["USF", "MUSL"])
-def test_the_number_of_threads_does_not_change_a_digit(schedule, monkeypatch):
+@pytest.mark.parametrize(("schedule", "basis"), [("USF", "linear"), ("MUSL", "linear"), ("MUSL", "tls-linear")])
+def test_the_number_of_threads_does_not_change_a_digit(schedule, basis, monkeypatch):
     body = square(Swirl())
-    level, variant = Discretisation(1 / 40, 0.3, 2), MaterialPoint(schedule)
+    level, variant = Discretisation(1 / 40, 0.3, 3 if basis == "tls-linear" else 2), MaterialPoint(schedule, basis=basis)
     monkeypatch.setattr(solver, "MANY", np.inf)
     serial = variant.solve(body, level)
     assert serial.outcome.completed

@@ -17,8 +17,9 @@ from .vectors import axpy, by_components, dot, less, scale
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
-SPLINES, GIMP, CPDI, MLS = (0.0,), (0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
-"""Kinds of basis, MLS the splines with gradients of moving least squares; their lengths tell them apart where a function is compiled."""
+SPLINES, GIMP, CPDI, MLS, TLS = (0.0,), (0.0,) * 2, (0.0,) * 3, (0.0,) * 4, (0.0,) * 5
+"""Kinds of basis, MLS the splines with gradients of moving least squares, TLS with fits of Taylor least squares in the cells; their
+lengths tell them apart where a function is compiled."""
 
 
 class Basis(NamedTuple):
@@ -39,6 +40,9 @@ BASES = {
     "cubic": Basis(SPLINES, 3, 4),
     "mls-quadratic": Basis(MLS, 2, 3),
     "mls-cubic": Basis(MLS, 3, 4),
+    "tls-linear": Basis(TLS, 1, 2),
+    "tls-quadratic": Basis(TLS, 2, 3),
+    "tls-cubic": Basis(TLS, 3, 4),
     "ugimp": Basis(GIMP, 1, 3),
     "cpgimp": Basis(GIMP, 1, 3, stretched=True),
     "cpdi": Basis(CPDI, 1, 2, stretched=True),
@@ -113,7 +117,7 @@ def domain_axis(lower: float, h: float, cells: int, width: int, periodic: bool =
 
 def basis_axis(basis: Basis, lower: float, h: float, cells: int, periodic: bool = False) -> Axis:
     """The axis of a basis; parameters as of `spline_axis`."""
-    if basis.kind in (SPLINES, MLS):
+    if basis.kind in (SPLINES, MLS, TLS):
         return spline_axis(lower, h, cells, basis.degree, periodic)
     return domain_axis(lower, h, cells, basis.width, periodic)
 

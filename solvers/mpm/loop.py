@@ -21,6 +21,7 @@ from .grid import (
 from .histories import COMPLETED, INVERTED, LEFT_GRID, TURNED, UNSORTED, add_up, heat_of, record_sums
 from .order import ARRANGED, INTERVAL, arrange
 from .passes import MUSL, USF, USL, grid_to_particles, particles_to_grid, record_fields, smooth, strain_particles
+from .reconstruction import COUNT, fit_cells, spread_fits
 from .state import FAILED, STRAYED, Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme, Strips, columns_of
 from .sweeps import IN_THREADS
 
@@ -29,6 +30,16 @@ from .sweeps import IN_THREADS
 
 MASSLESS = 1e-12
 """Nodes with less than this part of the largest particle's mass carry no velocity: f/m would overflow."""
+
+
+def to_grid(kind, scheme, grid, particles, nodes, strips, body, load, n, dt, record, forces):
+    """Particles to grid, with fits of the cells where the basis has them."""
+    if len(kind) == 5:
+        nodes.cells[:, COUNT] = 0.0
+        if fit_cells(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, record, forces) == FAILED:
+            return FAILED
+        spread_fits(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, record, forces)
+    return particles_to_grid(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, record, forces)
 
 
 def refine(
@@ -125,7 +136,7 @@ def march_through(
             arrange(scheme, grid, particles, nodes, strips, 0, body, 0, 0, 0.0, False, False)
         clear(nodes, strips, velocity, massless, body, 0, 0.0, 0.0, nothing, 0, count)
         load, forces, recorded = n - begin, scheme.schedule != USF or n == 0, histories.step[record] == n
-        if particles_to_grid(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, forces) == FAILED:
+        if to_grid(grid.kind, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, forces) == FAILED:
             return LEFT_GRID, n, output
         join(grid, nodes.inertia)
         nodal_velocity(nodes, strips, velocity, massless, body, 0, 0.0, 0.0, added, 0, count)
@@ -167,6 +178,9 @@ def march_through(
         if scheme.schedule == USL:
             running[TURNED] += heat_of(strips)
         if scheme.schedule == MUSL:
+            if len(grid.kind) == 5:
+                clear(nodes, strips, velocity, massless, body, 0, 0.0, 0.0, nothing, 0, count)
+                to_grid(grid.kind, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, not forces)
             join(grid, nodes.inertia)
             nodal_velocity(nodes, strips, nodes.projected, massless, body, 0, 0.0, 0.0, added, 0, count)
             hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)
@@ -183,8 +197,11 @@ def march_through(
 
 def _assembled(name: str, passes: dict[str, Any], **options: bool) -> Any:
     """The loop with its passes; it allocates nothing, and to count references would take as long to compile as all passes."""
-    series = {"refine": compiled(refine, passes, f"refine_of_{name}", **WITHOUT_ENTRY, **options)}
-    return compiled(march_through, passes | series, name, cache=True, no_cfunc_wrapper=True, **options)
+    parts = {
+        one.__name__: compiled(one, passes, f"{one.__name__}_of_{name}", **WITHOUT_ENTRY, **options)
+        for one in (refine, to_grid)
+    }
+    return compiled(march_through, passes | parts, name, cache=True, no_cfunc_wrapper=True, **options)
 
 
 march = _assembled("march", {}, _nrt=False)

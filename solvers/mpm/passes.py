@@ -12,6 +12,7 @@ from .deformation import force_columns, move, stored_energy, strain
 from .grid import leapfrog
 from .lanes import total
 from .memory import row, rows, store_rows
+from .reconstruction import not_fitted
 from .state import (
     FAILED,
     HEAT,
@@ -84,7 +85,7 @@ def particles_to_grid(
             return FAILED
         F = rows(state, some.numbers, column.F, tensor)
         at = support(grid.kind, grid, some.first, some.offset, domain(grid.kind, grid, F))
-        m, V = scale(some.present, rows(state, some.numbers, column.mass, (0.0, 0.0)))
+        m, V = scale(not_fitted(grid.kind, grid, nodes, some), rows(state, some.numbers, column.mass, (0.0, 0.0)))
         v, sigma = rows(state, some.numbers, column.velocity, zero), rows(state, some.numbers, column.stress, symmetric)
         spread_inertia(scheme.affine, grid, particles, nodes, some.numbers, m, v, at)
         if advance:

@@ -4,33 +4,22 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.material import PlaneStress
-from mpmverify.problem import (
-    Array,
-    Discretisation,
-    Fixed,
-    LinearElastic,
-    Periodic,
-    Problem,
-    Traction,
-    Velocity,
-    output_steps,
-    require,
-)
+from mpmverify.problem import Array, Discretisation, LinearElastic, Periodic, Problem, output_steps
 from mpmverify.solution import Outcome, Solution, Status, Work
 
 from . import loop, passes
-from .basis import BASES, CPDI, GIMP, MLS, SPLINES, Axis, basis_axis
-from .constitution import LAWS, constitution
+from .acceptance import check
+from .basis import BASES, CPDI, GIMP, MLS, TLS, Axis, basis_axis
+from .constitution import constitution
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
 from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSORTED, UNSTABLE, by_component, no_histories
 from .layout import REGULAR, Layout, place_particles
 from .order import sort, strips
+from .reconstruction import cells_of
 from .state import Grid, Nodes, Outputs, Particles, Scheme, Strips, columns_like, grid_of, nodal
 from .transfers import FLIP, Transfer
 
@@ -61,8 +50,9 @@ class MaterialPoint:
         When the stress is updated: first, last, or last from velocities that were projected again.
     transfer : Transfer
         How the velocity of the grid becomes that of the particles.
-    basis : {"linear", "quadratic", "cubic", "mls-quadratic", "mls-cubic", "ugimp", "cpgimp", "cpdi"}
-        B-splines of the grid, linear is the hat; those with the gradients of moving least squares; hats averaged over the domain of
+    basis : {"linear", "quadratic", "cubic", "mls-quadratic", ..., "tls-linear", ..., "ugimp", "cpgimp", "cpdi"}
+        B-splines of the grid, linear is the hat; those with the gradients of moving least squares, or with Taylor least squares in
+        the cells; hats averaged over the domain of
         a particle, which stays as it was, stretches along the axes, or deforms to a parallelepiped.
     formulation : {"updated", "total"}
         Lagrangian formulation.
@@ -78,14 +68,16 @@ class MaterialPoint:
     ------
     UsageError
         If a choice does not exist, the body force is asked for at the nodes of an updated Lagrangian grid, an affine transfer
-        for CPDI, Gauss points for particles that have a domain, or USF for domains that stretch.
+        for CPDI, Gauss points for particles that have a domain, USF for domains that stretch, or for Taylor least squares USF or
+        another transfer than PIC, FLIP and their blends.
 
     Notes
     -----
     Position, stress and deformation gradient live at t^n, velocity at t^{n-1/2}; what is returned is synchronous. A traction
     acts on the end functions of the grid: in the updated Lagrangian formulation a loaded face must stay within its cells.
     Where a free surface crosses a cell by little, f/m of the nodes beyond it is large: harmless to B-splines; linear functions need
-    FLIP or FMPM, with USF or MUSL, to strain by velocities that the mass of the particles has averaged.
+    FLIP or FMPM, with USF or MUSL, to strain by velocities that the mass of the particles has averaged. Taylor least squares in the
+    updated Lagrangian formulation needs particles enough to determine the fits wherever they gather: three or more along an axis.
 
     References
     ----------
@@ -93,7 +85,8 @@ class MaterialPoint:
     Kirby and Berzins, 2008, doi:10.1002/nme.2360. Jiang, Schroeder and Teran, 2017, doi:10.1016/j.jcp.2017.02.050 (APIC). de
     Vaucorbeil, Nguyen and Hutchinson, 2020, doi:10.1016/j.cma.2019.112783. Bardenhagen and Kober, 2004, CMES 5(6), 477-495 (GIMP).
     Wallstedt and Guilkey, 2008, doi:10.1016/j.jcp.2008.07.019 (cpGIMP). Sadeghirad, Brannon and Burghardt, 2011, doi:10.1002/nme.3110
-    (CPDI). Hu and others, 2018, doi:10.1145/3197517.3201293 (moving least squares).
+    (CPDI). Hu and others, 2018, doi:10.1145/3197517.3201293 (moving least squares). Wobbes, Moller, Galavi and Vuik, 2019,
+    doi:10.1002/nme.5956 (Taylor least squares).
     """
 
     schedule: str = "MUSL"
@@ -103,8 +96,6 @@ class MaterialPoint:
     body_force_at: str = "particles"
     layout: Layout = REGULAR
     record_every: int = 1
-
-    conserves: ClassVar[frozenset[str]] = frozenset({"mass", "momentum"})
 
     def __post_init__(self) -> None:
         for what, value, choices in (
@@ -127,9 +118,12 @@ class MaterialPoint:
             )
         if self.transfer.affine and self.basis == "cpdi":
             raise UsageError("an affine transfer needs functions that are products: choose another basis than CPDI")
+        series = self.transfer.affine or self.transfer.terms > 1
+        if BASES[self.basis].kind == TLS and (series or self.schedule == "USF"):
+            raise UsageError("Taylor least squares goes with PIC, FLIP or a blend of both, and with USL or MUSL")
         if self.schedule == "USF" and BASES[self.basis].stretched and self.formulation == "updated":
             raise UsageError("USF would stretch the domains between the two transfers of a step: choose USL or MUSL")
-        if self.layout.gauss and BASES[self.basis].kind not in (SPLINES, MLS):
+        if self.layout.gauss and BASES[self.basis].kind in (GIMP, CPDI):
             raise UsageError("the domains of GIMP and CPDI are equal parts of a cell: choose another layout than Gauss points")
         if self.body_force_at == "nodes" and self.formulation != "total":
             raise UsageError(
@@ -141,6 +135,11 @@ class MaterialPoint:
         choices = FORMULATIONS[self.formulation], self.basis, self.schedule.lower(), self.transfer.name
         nodal = "-nodalforce" if self.body_force_at == "nodes" else ""
         return f"mpm-{'-'.join(choices)}{nodal}{'' if self.layout == REGULAR else f'-{self.layout.name}'}"
+
+    @property
+    def conserves(self) -> frozenset[str]:
+        """Taylor least squares keeps the momentum on its way to the grid, but not on that back."""
+        return frozenset({"mass"} if BASES[self.basis].kind == TLS else {"mass", "momentum"})
 
     @property
     def orders(self) -> Mapping[str, float]:
@@ -167,7 +166,7 @@ class MaterialPoint:
         UsageError
             If the body is not one of the laws of `constitution`, or its faces are not held, loaded or periodic.
         """
-        self._check(problem)
+        check(problem, self.name)
         steps, dt = discretisation.time_steps(problem)
         axes = self._axes(problem, discretisation)
         grid = self._grid(axes, discretisation)
@@ -178,7 +177,7 @@ class MaterialPoint:
             self._scheme(problem),
             grid,
             particles,
-            Nodes(*(nodal(n, math.prod(len(axis.nodes) for axis in axes)) for n in (1 + dimension, *[dimension] * 6))),
+            self._nodes(axes, problem),
             tabulate_faces(problem, axes, discretisation.h, steps, dt),
             self._strips(problem, discretisation, grid, count),
         )
@@ -231,27 +230,6 @@ class MaterialPoint:
             outcome=Outcome(STATUSES[code], detail),
         )
 
-    def _check(self, problem: Problem) -> None:
-        """Refuse a problem that this solver cannot take."""
-        require(type(problem.material) in LAWS, self.name, problem, "elastic and viscoelastic bodies")
-        conditions = problem.boundary.values()
-        taken = all(isinstance(condition, Velocity | Fixed | Traction | Periodic) for condition in conditions)
-        require(taken, self.name, problem, "prescribed velocities, tractions and joined ends as boundary conditions")
-        joined = [isinstance(condition, Periodic) for _, condition in sorted(problem.boundary.items())]
-        require(joined[::2] == joined[1::2], self.name, problem, "axes of which both ends are joined or neither")
-        loaded = problem.shape is not None and any(isinstance(c, Traction) and c != Traction() for c in conditions)
-        require(not loaded, self.name, problem, "no traction on faces that the body does not touch")
-        flat = problem.dimension == 2 or not isinstance(problem.material, PlaneStress)
-        require(flat, self.name, problem, "plane stress in two dimensions")
-        state = {"displacement", "displacement_gradient", "stress"}
-        given = state & problem.initial.keys()
-        require(
-            given in (set(), state),
-            self.name,
-            problem,
-            f"bodies that begin undeformed, or with all of {', '.join(sorted(state))}",
-        )
-
     def _scheme(self, problem: Problem) -> Scheme:
         assert isinstance(problem.material, LinearElastic)
         return Scheme(
@@ -276,6 +254,11 @@ class MaterialPoint:
         basis = BASES[self.basis]
         stretched = basis.stretched and self.formulation == "updated"
         return grid_of(axes, at.h, basis, ghosts(axes), 0.5 / at.ppc, stretched)
+
+    def _nodes(self, axes: tuple[Axis, ...], problem: Problem) -> Nodes:
+        count, d = math.prod(len(axis.nodes) for axis in axes), len(axes)
+        values = [nodal(n, count) for n in (1 + d, *[d] * 6)]
+        return Nodes(*[*values, cells_of(axes, BASES[self.basis], problem.boundary)])
 
     def _strips(self, problem: Problem, at: Discretisation, grid: Grid, count: int) -> Strips:
         rows, moving = at.cells(problem)[-1], self.formulation == "updated"

@@ -173,7 +173,7 @@ class Nodes(NamedTuple):
     """m_I and p_I in one array (1 + d, n) [kg, kg m/s]; the others (d, n).
 
     v_I, v_I of the momentum projected again or the correction of XPIC [m/s], a_I [m/s^2], internal and external f_I [N], and a term
-    of the series of XPIC and FMPM [m/s or m/s^2].
+    of the series of XPIC and FMPM [m/s or m/s^2]. The sums of the cells, see `fits.Parts` (C, K).
 
     In less than three dimensions masses and forces are per unit of the area or length that is left out.
     """
@@ -185,6 +185,7 @@ class Nodes(NamedTuple):
     internal: Array
     external: Array
     term: Array
+    cells: Array
 
 
 class Faces(NamedTuple):

@@ -11,9 +11,18 @@ from .constitution import Constants
 from .grid import accelerate, clear, kick_nodes, nodal_velocity
 from .order import arrange
 from .passes import grid_to_particles, particles_to_grid, smooth, strain_particles
+from .reconstruction import fit_cells, spread_fits
 from .state import PASSED, Grid, Nodes, Particles, Scheme, Strips
 
-OF_PARTICLES: tuple[Any, ...] = (particles_to_grid, grid_to_particles, strain_particles, smooth, arrange)
+OF_PARTICLES: tuple[Any, ...] = (
+    particles_to_grid,
+    grid_to_particles,
+    strain_particles,
+    smooth,
+    arrange,
+    fit_cells,
+    spread_fits,
+)
 OF_NODES: tuple[Any, ...] = (clear, nodal_velocity, accelerate, kick_nodes)
 
 

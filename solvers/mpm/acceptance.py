@@ -1,0 +1,34 @@
+"""Which problems the material point method takes."""
+
+from mpmverify.material import PlaneStress
+from mpmverify.problem import Fixed, Periodic, Problem, Traction, Velocity, require
+
+from .constitution import LAWS
+
+
+def check(problem: Problem, name: str) -> None:
+    """Refuse a problem that a solver of this name cannot take.
+
+    Raises
+    ------
+    UsageError
+        If the body is not one of the laws of `constitution` or begins half given, or its faces are not held, loaded or periodic.
+    """
+    require(type(problem.material) in LAWS, name, problem, "elastic and viscoelastic bodies")
+    conditions = problem.boundary.values()
+    taken = all(isinstance(condition, Velocity | Fixed | Traction | Periodic) for condition in conditions)
+    require(taken, name, problem, "prescribed velocities, tractions and joined ends as boundary conditions")
+    joined = [isinstance(condition, Periodic) for _, condition in sorted(problem.boundary.items())]
+    require(joined[::2] == joined[1::2], name, problem, "axes of which both ends are joined or neither")
+    loaded = problem.shape is not None and any(isinstance(c, Traction) and c != Traction() for c in conditions)
+    require(not loaded, name, problem, "no traction on faces that the body does not touch")
+    flat = problem.dimension == 2 or not isinstance(problem.material, PlaneStress)
+    require(flat, name, problem, "plane stress in two dimensions")
+    state = {"displacement", "displacement_gradient", "stress"}
+    given = state & problem.initial.keys()
+    require(
+        given in (set(), state),
+        name,
+        problem,
+        f"bodies that begin undeformed, or with all of {', '.join(sorted(state))}",
+    )

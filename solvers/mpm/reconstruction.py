@@ -1,0 +1,230 @@
+"""Taylor least squares: in each cell fields are fitted to the particles, and the grid gets the integrals of the fits.
+
+A fit is a Taylor polynomial about the middle of the cell, its highest terms less their means: of the first degree for hats, else of the
+second, or of a lower one where the particles of the cell do not determine more. What is conserved, mass, momentum and body force, takes
+its mean from the sum over the particles. At a free surface, in a cell at a loaded face or beside an empty one, particles stay
+what they are to the other bases: points of quadrature with their volumes.
+
+References
+----------
+Wobbes, Moller, Galavi and Vuik, 2019, doi:10.1002/nme.5956.
+"""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from mpmverify.problem import Array, Traction
+
+from .basis import TLS, Axis, Basis
+from .compilation import jit
+from .deformation import force_columns
+from .fits import (
+    COUNT,
+    FITTED,
+    OPEN,
+    SUMS,
+    factor,
+    fitted,
+    fitted_columns,
+    gauss_point,
+    gauss_points,
+    parts_like,
+    parts_of,
+    solve,
+    taylor,
+)
+from .lanes import total
+from .memory import rows
+from .state import FAILED, PASSED, Grid, Nodes, Particles, Scheme, Strips, columns_of
+from .stencil import Group, group, places, support
+from .tensors import det
+from .transfer import spread, spread_tensor
+from .vectors import Vector, null, scale, with_mass
+
+# Tuples whose length decides what a function returns have no annotation.
+# mypy: disable-error-code="no-untyped-def"
+
+
+def cells_of(axes: tuple[Axis, ...], basis: Basis, boundary: Mapping[str, object]) -> Array:
+    """Room for the sums of all cells (C, K), x fastest; none where the basis reconstructs nothing."""
+    if basis.kind != TLS:
+        return np.zeros((0, 0))
+    d = len(axes)
+    parts = parts_like((0.0,) * math.comb(d + min(basis.degree, 2), d), (0.0,) * d)
+    cells = np.zeros((*(axis.cells for axis in reversed(axes)), parts.densities + parts.functions * parts.fields))
+    for face, condition in boundary.items():
+        if isinstance(condition, Traction):
+            at_face = np.moveaxis(cells, d - 1 - "xyz".index(face[0]), 0)[0 if face[1] == "-" else -1]
+            at_face[..., OPEN] = 1.0
+    return cells.reshape(-1, cells.shape[-1])
+
+
+@jit
+def cell_number(grid: Grid, first) -> int:
+    """Number of the cell that is so far along the axes (d,)."""
+    number, stride = 0, 1
+    for k in range(len(first)):
+        number += stride * first[k]
+        stride *= grid.cells[k]
+    return number
+
+
+@jit
+def cell_along(grid: Grid, number: int, like: Vector):
+    """How far along the axes the cell of a number is (d,)."""
+    x, beyond = number % grid.cells[0], number // grid.cells[0]
+    if len(like) == 1:
+        return (x,)
+    if len(like) == 2:
+        return x, beyond
+    return x, beyond % grid.cells[1], beyond // grid.cells[1]
+
+
+@jit
+def add_sums(cell: Array, first: int, values) -> None:
+    """Add the sums of a tuple of values over the particles of a group, from an entry on."""
+    for k in range(len(values)):
+        cell[first + k] += total(values[k])
+
+
+@jit
+def add_products(cell: Array, first: int, stride: int, functions, values) -> None:
+    """Add the sums of products of functions with values (k, ...), a row each `stride` entries."""
+    for i in range(len(functions)):
+        add_sums(cell, first + stride * i, scale(functions[i], values))
+
+
+@jit
+def add_to_cell(
+    width, scheme: Scheme, grid: Grid, particles: Particles, some: Group, cell: Array, body: Array, load: int, forces: bool
+) -> None:
+    """Add to the sums of a cell what a group of its particles has, with what makes `forces` or without."""
+    zero, tensor, symmetric = null(grid.lower)
+    column, state, d = columns_of(zero), particles.state, len(zero)
+    F, sigma = rows(state, some.numbers, column.F, tensor), rows(state, some.numbers, column.stress, symmetric)
+    m, V0 = rows(state, some.numbers, column.mass, (0.0, 0.0))
+    V = V0 if scheme.total else V0 * det(F)
+    functions = taylor(width, some.offset)
+    parts, there = parts_of(functions, zero), scale(some.present, functions)
+    cell[COUNT] += total(some.present)
+    add_products(cell, parts.products, parts.functions, there, functions)
+    inertia = with_mass(m, rows(state, some.numbers, column.velocity, zero))
+    add_sums(cell, SUMS, scale(some.present, inertia))
+    add_products(cell, parts.densities, parts.fields, scale(1 / V, there), inertia)
+    if forces and body.shape[0] > 0 and not scheme.nodal_body:
+        weight = scale(m, rows(body[load], places(particles, some.numbers), 0, zero))
+        add_sums(cell, SUMS + 1 + d, scale(some.present, weight))
+        add_products(cell, parts.densities + 1 + d, parts.fields, scale(1 / V, there), weight)
+    if forces:
+        minus_stress = force_columns(scheme, V0 / V, sigma, F, zero)
+        for k in range(d):
+            add_products(cell, parts.densities + parts.conserved + d * k, parts.fields, there, minus_stress[k])
+
+
+@jit
+def fit_cells(
+    scheme: Scheme,
+    grid: Grid,
+    particles: Particles,
+    nodes: Nodes,
+    strips: Strips,
+    s: int,
+    body: Array,
+    load: int,
+    n: int,
+    dt: float,
+    record: bool,
+    advance: bool,
+) -> int:
+    """A pass over the particles that adds up what the fits of their cells need; FAILED when a particle is not on the grid."""
+    p, end = strips.particles[s], strips.particles[s + 1]
+    while p < end:
+        some = group(grid.kind, scheme, grid, particles, p, end)
+        if some.size == 0:
+            return FAILED
+        cell = nodes.cells[cell_number(grid, some.first)]
+        add_to_cell(grid.width, scheme, grid, particles, some, cell, body, load, advance)
+        p += some.size
+    return PASSED
+
+
+@jit
+def spread_cell(width, grid: Grid, nodes: Nodes, c: int, volume: float, forces: bool) -> None:
+    """Integrals of the fits of a cell with the functions of the grid and their gradients."""
+    zero, tensor, _ = null(grid.lower)
+    d, first = len(zero), cell_along(grid, c, zero)
+    for number in range(len(gauss_points(width)[0]) ** d):
+        xi, weight = gauss_point(width, number, zero)
+        functions = scale(weight * volume, taylor(width, xi))
+        parts = parts_of(functions, zero)
+        at, B, stride = support(grid.kind, grid, first, xi, tensor), parts.densities, parts.fields
+        spread(grid, nodes.inertia, 0, at, fitted(nodes.cells, c, B, stride, functions, with_mass(0.0, zero)))
+        if forces:
+            spread(grid, nodes.external, 0, at, fitted(nodes.cells, c, B + 1 + d, stride, functions, zero))
+            minus_stress = fitted_columns(nodes.cells, c, B + parts.conserved, stride, functions, zero)
+            spread_tensor(grid, nodes.internal, 0, at, minus_stress)
+
+
+@jit
+def enclosed(grid: Grid, cells: Array, c: int) -> bool:
+    """Whether there are particles in a cell and beyond all its faces, but for those at an end of the grid that is held."""
+    if cells[c, OPEN] > 0 or cells[c, COUNT] == 0:
+        return False
+    stride = 1
+    for k in range(len(grid.lower)):
+        count = grid.cells[k]
+        i = c // stride % count
+        below, above = c - stride if i > 0 else c, c + stride if i < count - 1 else c
+        if grid.periodic[k]:
+            below, above = c + stride * ((i - 1) % count - i), c + stride * ((i + 1) % count - i)
+        if cells[below, COUNT] == 0 or cells[above, COUNT] == 0:
+            return False
+        stride *= count
+    return True
+
+
+@jit
+def spread_fits(
+    scheme: Scheme,
+    grid: Grid,
+    particles: Particles,
+    nodes: Nodes,
+    strips: Strips,
+    s: int,
+    body: Array,
+    load: int,
+    n: int,
+    dt: float,
+    record: bool,
+    advance: bool,
+) -> int:
+    """A pass over the cells of a strip: those that can be are fitted and give the grid mass, momentum and, to `advance`, forces.
+
+    The sums are zero again afterwards. What stays is the number of particles, which other strips may yet ask for, and whether a cell
+    is fitted, for the passes over the particles.
+    """
+    zero, d, volume, row_of_cells = grid.lower, len(grid.lower), 1.0, 1
+    for k in range(d):
+        volume /= grid.scale
+        row_of_cells *= grid.cells[k] if k < d - 1 else 1
+    parts = parts_of(taylor(grid.width, zero), zero)
+    for c in range(strips.rows[s] * row_of_cells, strips.rows[s + 1] * row_of_cells):
+        cell = nodes.cells[c]
+        determined = factor(cell, parts, d) if enclosed(grid, nodes.cells, c) else 0
+        cell[FITTED] = min(determined, 1)
+        if determined > 0:
+            solve(cell, parts, determined, volume)
+            spread_cell(grid.width, grid, nodes, c, volume, advance)
+        for k in range(SUMS, cell.size):
+            cell[k] = 0.0
+    return PASSED
+
+
+@jit
+def not_fitted(kind, grid: Grid, nodes: Nodes, some: Group):
+    """The particles of a group that are points of quadrature, as 1 and 0: all, but where their cell is fitted none."""
+    if len(kind) == 5:
+        return some.present * (1 - nodes.cells[cell_number(grid, some.first), FITTED])
+    return some.present

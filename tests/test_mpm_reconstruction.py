@@ -1,0 +1,182 @@
+"""Taylor least squares: what a fit reproduces, what it keeps on its way to the grid, and what it does for particles that cross cells."""
+
+import numpy as np
+import pytest
+from from_python import one_strip
+from numba import njit
+from scipy.interpolate import BSpline
+
+from mpmverify.errors import UsageError
+from mpmverify.exact.steffen import steffen
+from mpmverify.norms import NORMS, errors
+from mpmverify.problem import Constant, Discretisation, Fixed, LinearElastic, Periodic, Problem, Traction
+from mpmverify.solvers.mpm import APIC, FLIP, PIC, MaterialPoint, fmpm, loop, xpic
+from mpmverify.solvers.mpm.basis import BASES
+from mpmverify.solvers.mpm.compilation import ARITHMETIC
+from mpmverify.solvers.mpm.faces import node_positions
+from mpmverify.solvers.mpm.state import PASSED
+
+to_grid = njit(**ARITHMETIC)(loop.to_grid)
+RECONSTRUCTED = tuple(name for name in BASES if name.startswith("tls-"))
+CELLS, H = 3, 0.5
+bases = pytest.mark.parametrize("basis", RECONSTRUCTED)
+BAR = steffen()
+in_dimensions = pytest.mark.parametrize("dimension", [1, 2, 3])
+
+
+def box(dimension, faces, **more):
+    names = [axis + side for axis in "xyz"[:dimension] for side in "-+"]
+    upper = (CELLS * H,) * dimension
+    return Problem("box", (0.0,) * dimension, upper, LinearElastic(1.0, 2.0, 0.3), dict.fromkeys(names, faces), 0.2, **more)
+
+
+def cloud(basis, dimension, faces, per_cell=16, seed=3, formulation="updated"):
+    """State of a variant with particles anywhere in each cell, of any volume, velocity and stress, and the positions of its nodes."""
+    variant, problem, random = (
+        MaterialPoint("USL", FLIP, basis, formulation),
+        box(dimension, faces),
+        np.random.default_rng(seed),
+    )
+    axes = variant._axes(problem, at := Discretisation(H, 0.3, 2))
+    cells = np.stack(np.meshgrid(*[np.arange(CELLS)] * dimension), axis=-1).reshape(-1, dimension)
+    X = H * (np.repeat(cells, per_cell, axis=0) + random.uniform(size=(len(cells) * per_cell, dimension)))
+    particles = variant._particles(problem, X, random.uniform(0.1, 1.0, len(X)))
+    particles.velocity[:] = random.normal(size=X.shape)
+    particles.stress[:] = random.normal(size=particles.stress.shape)
+    particles.F[:] += 0.2 * random.normal(size=particles.F.shape)
+    return variant._scheme(problem), variant._grid(axes, at), particles, variant._nodes(axes, problem), node_positions(axes)
+
+
+def spread(scheme, grid, particles, nodes, body=None, forces=True):
+    loads = np.zeros((0, 0, 0)) if body is None else body[None]
+    strips = one_strip(grid, particles)
+    assert to_grid(grid.kind, scheme, grid, particles, nodes, strips, loads, 0, 1, 0.01, True, forces) == PASSED
+
+
+def monomials(x, degree):
+    """All products of powers up to a degree (points, functions)."""
+    dimension = x.shape[1]
+    powers = [p for p in np.ndindex(*[degree + 1] * dimension) if sum(p) <= degree]
+    return np.stack([np.prod(x ** np.array(p), axis=1) for p in powers], axis=1)
+
+
+def quadrature(degree, dimension):
+    """Points, weights, and at them derivatives by axis of all functions of the grid, from scipy's splines."""
+    points, weights = np.polynomial.legendre.leggauss(6)
+    x = (H * (np.arange(CELLS)[:, None] + (points + 1) / 2)).ravel()
+    knots = H * np.clip(np.arange(-degree, CELLS + degree + 1), 0, CELLS)
+    splines = BSpline(knots, np.eye(CELLS + degree), degree)
+    place = np.stack(np.meshgrid(*[x] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension)
+    weight = np.prod(np.stack(np.meshgrid(*[np.tile(H * weights / 2, CELLS)] * dimension, indexing="ij")), axis=0).ravel()
+    values, slopes = splines(x), splines.derivative()(x)
+
+    def products(derived):
+        result = np.ones((1, 1))
+        for k in reversed(range(dimension)):  # x fastest among the nodes, slowest among the points
+            result = np.einsum("an,bm->banm", result, slopes if k == derived else values)
+            result = result.reshape(result.shape[0] * result.shape[1], -1)
+        return result
+
+    return place, weight, [products(k) for k in range(dimension)]
+
+
+@bases
+@in_dimensions
+def test_forces_of_stress_that_a_fit_can_be_are_exact_for_any_particles(basis, dimension):
+    scheme, grid, particles, nodes, _ = cloud(basis, dimension, Fixed())
+    degree = min(BASES[basis].degree, 2)
+    place, weight, dN = quadrature(BASES[basis].degree, dimension)
+    coefficients = np.random.default_rng(1).normal(size=(monomials(place, degree).shape[1], particles.stress.shape[1]))
+    particles.stress[:] = monomials(particles.position, degree) @ coefficients
+    sigma = monomials(place, degree) @ coefficients
+    spread(scheme, grid, particles, nodes)
+    where = {1: [[0]], 2: [[0, 2], [2, 1]], 3: [[0, 3, 5], [3, 1, 4], [5, 4, 2]]}[dimension]
+    for c in range(dimension):
+        exact = -sum(np.einsum("g,g,gi->i", weight, sigma[:, where[c][k]], dN[k]) for k in range(dimension))
+        assert nodes.internal[c] == pytest.approx(exact, abs=1e-12 * np.abs(sigma).max())
+
+
+@bases
+@in_dimensions
+@pytest.mark.parametrize("per_cell", [1, 2, 16])
+def test_mass_momentum_and_forces_are_kept_whatever_the_particles_determine(basis, dimension, per_cell):
+    scheme, grid, particles, nodes, positions = cloud(basis, dimension, Periodic() if per_cell == 2 else Fixed(), per_cell)
+    m, body = particles.mass[:, None], np.random.default_rng(2).normal(size=particles.position.shape)
+    spread(scheme, grid, particles, nodes, body)
+    assert nodes.cells[:, 0].all()
+    assert nodes.inertia[0].sum() == pytest.approx(m.sum(), rel=1e-13)
+    assert nodes.inertia[1:].sum(axis=1) == pytest.approx((m * particles.velocity).sum(axis=0), abs=1e-11)
+    assert nodes.external.sum(axis=1) == pytest.approx((m * body).sum(axis=0), abs=1e-11)
+    assert nodes.internal.sum(axis=1) == pytest.approx(0, abs=1e-13 * np.abs(nodes.internal).sum())
+    outer = positions.T @ nodes.internal.T
+    assert outer - outer.T == pytest.approx(0, abs=1e-12 * np.abs(nodes.internal).sum())
+
+
+@in_dimensions
+def test_a_rigid_velocity_is_that_of_every_node_and_the_second_projection_brings_no_force(dimension):
+    scheme, grid, particles, nodes, _ = cloud("tls-linear", dimension, Fixed())
+    particles.velocity[:] = np.arange(1.0, 1 + dimension)
+    spread(scheme, grid, particles, nodes, forces=False)
+    assert nodes.inertia[1:] == pytest.approx(particles.velocity[0][:, None] * nodes.inertia[0], rel=1e-12)
+    assert not nodes.internal.any()
+    assert not nodes.external.any()
+
+
+@bases
+@in_dimensions
+def test_at_a_free_surface_particles_are_points_of_quadrature(basis, dimension):
+    """Every cell is at a loaded face, but for the one in the middle, which is empty: nothing is fitted."""
+    both = []
+    for name in (basis, basis.removeprefix("tls-")):
+        scheme, grid, particles, nodes, _ = cloud(name, dimension, Traction(Constant(0.0)))
+        cell = (particles.position // H).astype(int)
+        elsewhere = np.flatnonzero((cell != 1).any(axis=1))
+        chosen = type(particles)(*(part[elsewhere] for part in particles[:3]), np.arange(len(elsewhere)))
+        chosen.place[:] = np.arange(len(elsewhere))
+        spread(scheme, grid, chosen, nodes, particles.velocity[elsewhere])
+        both.append(nodes)
+    assert not both[0].cells[:, 0].any()
+    for name in ("inertia", "internal", "external"):
+        assert np.array_equal(getattr(both[0], name), getattr(both[1], name))
+
+
+def displacement_errors(basis, formulation="updated", schedule="USL", levels=(8, 16, 32, 64)):
+    found = []
+    for cells in levels:
+        solution = MaterialPoint(schedule, FLIP, basis, formulation).solve(BAR.problem, Discretisation(1 / cells, 0.3, 4))
+        assert solution.outcome.completed, str(solution.outcome)
+        found.append(errors(solution, BAR.exact)["displacement"][0][NORMS.index("L2-max")])
+    return np.array(found)
+
+
+@pytest.mark.parametrize("schedule", ["USL", "MUSL"])
+def test_particles_that_cross_cells_do_not_stall_linear_functions(schedule):
+    """Where the hat diverges from 16 cells on: Wobbes and others, 2019, doi:10.1002/nme.5956."""
+    hats, fitted = displacement_errors("linear", schedule=schedule), displacement_errors("tls-linear", schedule=schedule)
+    assert hats[3] > hats[1]
+    assert (fitted[1:] < fitted[:-1] / 2).all()
+    assert fitted[3] < hats[3] / 30
+
+
+@bases
+@pytest.mark.parametrize("schedule", ["USL", "MUSL"])
+def test_second_order_while_none_crosses(basis, schedule):
+    found = displacement_errors(basis, "total", schedule)
+    assert np.log2(found[:-1] / found[1:]) == pytest.approx(2, abs=0.2)
+
+
+@pytest.mark.parametrize("schedule", ["USL", "MUSL"])
+@in_dimensions
+def test_mass_is_kept_over_steps_and_momentum_is_not_declared(schedule, dimension):
+    variant = MaterialPoint(schedule, PIC, "tls-linear")
+    moving = {"velocity": lambda X: 0.1 * np.cos(np.pi * X / (CELLS * H))}
+    solution = variant.solve(box(dimension, Periodic(), initial=moving), Discretisation(H, 0.3, 4, jitter=0.3, seed=1))
+    assert solution.outcome.completed, str(solution.outcome)
+    assert solution.histories["mass"] == pytest.approx((CELLS * H) ** dimension * 2, rel=1e-13)
+    assert variant.conserves == {"mass"}
+
+
+@pytest.mark.parametrize(("schedule", "transfer"), [("USF", FLIP), ("USL", APIC), ("MUSL", xpic(2)), ("USL", fmpm(2))], ids=str)
+def test_what_it_does_not_go_with_is_refused(schedule, transfer):
+    with pytest.raises(UsageError, match="goes with PIC, FLIP or a blend"):
+        MaterialPoint(schedule, transfer, "tls-linear")
