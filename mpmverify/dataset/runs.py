@@ -58,10 +58,12 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
             for name, size in sizes.items():
                 file.createDimension(name, size)
 
+            pending: list[tuple[netCDF4.Variable, Array]] = []  # written when all is declared: to take turns costs twice the time
+
             def put(name: str, dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> None:
                 variable = file.createVariable(name, "f8", dimensions)
                 variable.setncatts({"units": units, "long_name": long_name})
-                variable[...] = values
+                pending.append((variable, values))
 
             put("time", ("time",), solution.time, "s", "output time")
             put("reference", ("point", "dimension"), solution.reference, "m", "reference position of the sample points")
@@ -74,6 +76,8 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
             units = history_units(dimension, transported="u" in solution.fields)
             for name, values in solution.histories.items():
                 put(f"history_{name}", ("step",), values, units[name], name.replace("_", " "))
+            for variable, values in pending:
+                variable[...] = values
 
     write_atomic(path, write)
 
