@@ -1,6 +1,6 @@
 """The limit of stability of any solver, measured: a solver that searches for its own largest time step."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
 
 from mpmverify.problem import Discretisation, Problem
@@ -42,6 +42,11 @@ class Bisection:
     @property
     def conserves(self) -> frozenset[str]:
         return self.solver.conserves
+
+    def kernel(self, problem: Problem) -> Hashable:
+        """What its solver compiles."""
+        says = getattr(self.solver, "kernel", None)
+        return says(problem) if says else None
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
         """Solve at half the Courant number until that is stable, then between stable and unstable ones."""

@@ -4,6 +4,7 @@ import dataclasses
 import math
 import textwrap
 import traceback
+from collections.abc import Hashable
 from dataclasses import dataclass
 from numbers import Real
 from pathlib import Path
@@ -67,6 +68,26 @@ class Task:
 
     def __str__(self) -> str:
         return f"{self.study} / {self.case} / {self.solver.name} / {self.refinement} / h={self.discretisation.h:g}"
+
+    @property
+    def kernel(self) -> Hashable:
+        """What the solver says that it compiles for the problem, see `Solver`; None if it does not say.
+
+        Raises
+        ------
+        UsageError
+            If it raises, or says what is not hashable.
+        """
+        says = getattr(self.solver, "kernel", None)
+        try:
+            found: Hashable = says(self.problem.problem) if says else None
+            hash(found)
+        except Exception as error:
+            raise UsageError(
+                f"solver {self.solver.name!r} does not say what it compiles ({type(error).__name__}: {error}): let kernel(problem) "
+                "return a hashable value, or leave it out"
+            ) from error
+        return found
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import pickle
 import signal
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -59,12 +59,14 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
     for task in tasks:
         waiting.setdefault(task.study, deque()).append(task)
     workers: list[_Worker] = []
+    compiled: set[Hashable] = {None}
     try:
         workers += (_Worker(timeout) for _ in range(min(jobs, sum(map(len, waiting.values())))))
         while waiting or any(worker.task for worker in workers):
             for worker in workers:
                 if worker.task is None and waiting:
-                    worker.start(_next(waiting, worker.study, {other.study for other in workers}))
+                    compiling = {other.task.kernel for other in workers if other.task} - compiled
+                    worker.start(_next(waiting, worker.study, {other.study for other in workers}, compiling))
             busy = [worker for worker in workers if worker.task]
             pause = max(0.0, min(worker.deadline for worker in busy) - time.monotonic())
             ready = wait([worker.connection for worker in busy], min(pause, LONGEST_WAIT))
@@ -72,6 +74,7 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
                 # Whoever takes the results may be slow: what has come in meanwhile is no time-out.
                 if worker.connection in ready or worker.connection.poll():
                     if finished := worker.receive():
+                        compiled.add(finished[0].kernel)
                         yield finished
                 elif time.monotonic() >= worker.deadline:
                     yield worker.abandon(Status.TIMED_OUT, f"no result within {timeout:g} s")
@@ -80,14 +83,18 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
             worker.stop()
 
 
-def _next(waiting: dict[str, deque[Task]], mine: str, taken: AbstractSet[str]) -> Task:
+def _next(waiting: dict[str, deque[Task]], mine: str, taken: AbstractSet[str], compiling: AbstractSet[Hashable]) -> Task:
     """Take a task of the study that a worker is at, else of the first that none is at, else of the one with most tasks left.
 
-    Two workers at one study compile the same solvers at the same time.
+    Two workers at one study compile the same solvers at the same time, unless these say what they compile: what others are
+    `compiling` comes when they have, where there is anything else to do.
     """
-    free = [study for study in waiting if study not in taken]
-    study = mine if mine in waiting else free[0] if free else max(waiting, key=lambda name: len(waiting[name]))
-    task = waiting[study].popleft()
+    first = [study for study in waiting if study == mine] + [study for study in waiting if study not in taken]
+    studies = list(dict.fromkeys([*first, *sorted(waiting, key=lambda name: len(waiting[name]), reverse=True)]))
+    free = ((study, k) for study in studies for k, task in enumerate(waiting[study]) if task.kernel not in compiling)
+    study, k = next(free, (studies[0], 0))
+    task = waiting[study][k]
+    del waiting[study][k]
     if not waiting[study]:
         del waiting[study]
     return task

@@ -166,7 +166,13 @@ class Solution:
 
 
 class Solver(Protocol):
-    """A scheme as a frozen value: its fields are the scheme's choices."""
+    """A scheme as a frozen value: its fields are the scheme's choices.
+
+    Notes
+    -----
+    One that compiles may have a method `kernel(problem)`: any hashable value, equal where the compiled code is the same. Worker
+    processes then do not compile the same at the same time.
+    """
 
     @property
     def name(self) -> str:

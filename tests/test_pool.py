@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import deque
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -142,6 +143,52 @@ def test_a_solver_that_cannot_be_sent_is_one_sentence_and_ends_the_workers(tmp_p
     with pytest.raises(UsageError, match=r"cannot be sent to a worker process .*: define the class at the top of a module$"):
         list(pool.over_processes(tasks, 1, timeout=60.0))
     assert children() == before
+
+
+@dataclass(frozen=True)
+class Compiling(Scripted):
+    """Says what it compiles."""
+
+    compiles: object = None
+
+    @property
+    def name(self):
+        return f"compiling-{self.compiles}-{self.order:g}"
+
+    def kernel(self, problem):
+        return self.compiles[problem.dimension - 1] if isinstance(self.compiles, tuple) else self.compiles
+
+
+def test_what_another_worker_compiles_is_left_to_it_while_there_is_anything_else(tmp_path):
+    solvers = [Compiling(compiles=(kernel,), order=order) for kernel in ("b", "a") for order in (1.0, 2.0)]
+    tasks = tasks_of(study(*solvers, Scripted(), levels=1), plan(tmp_path))
+    waiting = {name: deque(replace(task, study=name) for task in tasks) for name in ("one", "two")}
+    taken = [
+        pool._next(waiting, mine, {"one", "two"}, compiling)
+        for mine, compiling in (
+            ("one", set()),
+            ("two", {"b"}),
+            ("two", {"b", "a"}),
+            ("two", {"b", "a"}),
+            ("two", {"b", "a"}),
+            ("", set()),
+        )
+    ]
+    assert [(task.study, task.kernel) for task in taken] == [
+        ("one", "b"),
+        ("two", "a"),
+        ("two", None),
+        ("one", None),
+        ("two", "b"),
+        ("one", "b"),
+    ]
+
+
+@pytest.mark.parametrize("compiles", [[], (), [1]], ids=["list", "raises", "unhashable"])
+def test_a_solver_that_does_not_say_what_it_compiles_is_told_so(tmp_path, compiles):
+    tasks = tasks_of(study(Compiling(compiles=compiles), levels=1), plan(tmp_path))
+    with pytest.raises(UsageError, match=r"let kernel\(problem\) return a hashable value"):
+        list(pool.over_processes(tasks * 2, 2, timeout=10.0))
 
 
 def test_nothing_to_do_starts_no_process(tmp_path):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .faults import Edit
 
-OF_ITSELF = {"name", "orders", "space_orders", "conserves", "__post_init__"}
+OF_ITSELF = {"name", "orders", "space_orders", "conserves", "kernel", "__post_init__"}
 """Functions in which a solver speaks of itself."""
 NO_RESULT = {"require", "Work", "perf_counter", "compile", "typeof", "isinstance", "cast"}
 """Calls that refuse a problem, measure time and work, or compile: nothing inside changes a result."""

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from mpmverify.solution import Outcome, Solution, Status, Work
 from . import loop, passes
 from .acceptance import check
 from .basis import BASES, CPDI, GIMP, MLS, TLS, Axis, basis_axis
-from .constitution import constitution
+from .constitution import LAWS, LINEAR_ELASTIC, constitution
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
 from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSORTED, UNSTABLE, by_component, no_histories
 from .layout import REGULAR, Layout, place_particles
@@ -157,6 +157,11 @@ class MaterialPoint:
         if BASES[self.basis].degree > 1:
             return {"displacement": 2.0, "velocity": 2.0 if self.transfer.affine else 1.5, "stress": 1.5}
         return {"displacement": 2.0, "velocity": 2.0, "stress": 1.0}
+
+    def kernel(self, problem: Problem) -> Hashable:
+        """What is compiled for a problem."""
+        basis, law = BASES[self.basis], LAWS.get(type(problem.material))
+        return problem.dimension, basis.kind, basis.width, self.transfer.affine, self.transfer.terms > 1, law == LINEAR_ELASTIC
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
         """Solve; numerical failure is an `Outcome`.
