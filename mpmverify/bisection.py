@@ -46,7 +46,7 @@ class Bisection:
     def kernel(self, problem: Problem) -> Hashable:
         """What its solver compiles."""
         says = getattr(self.solver, "kernel", None)
-        return says(problem) if says else None
+        return says(problem) if callable(says) else None
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
         """Solve at half the Courant number until that is stable, then between stable and unstable ones."""

@@ -80,7 +80,7 @@ class Task:
         """
         says = getattr(self.solver, "kernel", None)
         try:
-            found: Hashable = says(self.problem.problem) if says else None
+            found: Hashable = says(self.problem.problem) if callable(says) else None
             hash(found)
         except Exception as error:
             raise UsageError(

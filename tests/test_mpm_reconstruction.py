@@ -1,5 +1,7 @@
 """Taylor least squares: what a fit reproduces, what it keeps on its way to the grid, and what it does for particles that cross cells."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from from_python import one_strip
@@ -10,6 +12,7 @@ from mpmverify.errors import UsageError
 from mpmverify.exact.steffen import steffen
 from mpmverify.norms import NORMS, errors
 from mpmverify.problem import Constant, Discretisation, Fixed, NeoHookean, Periodic, Problem, Traction
+from mpmverify.shapes import Disk
 from mpmverify.solvers.mpm import APIC, FLIP, PIC, MaterialPoint, fmpm, loop, xpic
 from mpmverify.solvers.mpm.basis import BASES
 from mpmverify.solvers.mpm.compilation import ARITHMETIC
@@ -61,7 +64,7 @@ def monomials(x, degree):
 
 
 def quadrature(degree, dimension):
-    """Points, weights, and at them derivatives by axis of all functions of the grid, from scipy's splines."""
+    """Points, weights, and at them values and derivatives by axis of all functions of the grid, from scipy's splines."""
     points, weights = np.polynomial.legendre.leggauss(6)
     x = (H * (np.arange(CELLS)[:, None] + (points + 1) / 2)).ravel()
     knots = H * np.clip(np.arange(-degree, CELLS + degree + 1), 0, CELLS)
@@ -77,7 +80,7 @@ def quadrature(degree, dimension):
             result = result.reshape(result.shape[0] * result.shape[1], -1)
         return result
 
-    return place, weight, [products(k) for k in range(dimension)]
+    return place, weight, products(None), [products(k) for k in range(dimension)]
 
 
 @bases
@@ -85,7 +88,7 @@ def quadrature(degree, dimension):
 def test_forces_of_stress_that_a_fit_can_be_are_exact_for_any_particles(basis, dimension):
     scheme, grid, particles, nodes, _ = cloud(basis, dimension, Fixed())
     degree = min(BASES[basis].degree, 2)
-    place, weight, dN = quadrature(BASES[basis].degree, dimension)
+    place, weight, _, dN = quadrature(BASES[basis].degree, dimension)
     coefficients = np.random.default_rng(1).normal(size=(monomials(place, degree).shape[1], particles.stress.shape[1]))
     particles.stress[:] = monomials(particles.position, degree) @ coefficients
     sigma = monomials(place, degree) @ coefficients
@@ -120,6 +123,68 @@ def test_a_rigid_velocity_is_that_of_every_node_and_the_second_projection_brings
     assert nodes.inertia[1:] == pytest.approx(particles.velocity[0][:, None] * nodes.inertia[0], rel=1e-12)
     assert not nodes.internal.any()
     assert not nodes.external.any()
+
+
+@bases
+def test_no_node_has_a_negative_mass_however_the_density_varies(basis):
+    """From ten times to a tenth across each cell, of which the particles fill the least part."""
+    scheme, grid, particles, nodes, _ = cloud(basis, 2, Fixed())
+    across = particles.position[:, 0] / H % 1
+    particles.F[:] = np.eye(2).ravel()
+    particles.F[:, 0] = 10 ** (2 * across - 1)
+    particles.mass[:] /= 40
+    particles.volume[:] /= 40
+    spread(scheme, grid, particles, nodes)
+    assert nodes.cells[:, 0].all()
+    assert nodes.inertia[0].min() > 0
+    assert nodes.inertia[0].sum() == pytest.approx(particles.mass.sum(), rel=1e-13)
+
+
+def test_particles_that_gather_in_the_middle_of_a_cell_tell_no_slope():
+    scheme, grid, particles, nodes, _ = cloud("tls-quadratic", 1, Fixed(), per_cell=3)
+    particles.position[:, 0] = H * (np.repeat([0.5, 1.5, 2.5], 3) + 1e-6 * np.tile([-1.0, 0.0, 1.0], 3))
+    spread(scheme, grid, particles, nodes)
+    assert np.abs(nodes.inertia[1]).max() < np.abs(particles.mass * particles.velocity[:, 0]).sum()
+
+
+def test_one_loaded_face_keeps_its_cells_from_being_fitted_and_an_empty_cell_those_beside_it_across_joined_ends():
+    problem = box(2, Fixed())
+    loaded = replace(problem, boundary=problem.boundary | {"y+": Traction(Constant(0.0))})
+    joined = replace(problem, boundary=problem.boundary | {"x-": Periodic(), "x+": Periodic()})
+    for body, without, fitted in (
+        (loaded, None, [[1, 1, 1], [1, 1, 1], [0, 0, 0]]),
+        (problem, [0, 0], [[0, 0, 1], [0, 1, 1], [1, 1, 1]]),
+        (joined, [0, 0], [[0, 0, 0], [0, 1, 1], [1, 1, 1]]),
+    ):
+        variant = MaterialPoint("USL", FLIP, "tls-linear")
+        axes = variant._axes(body, at := Discretisation(H, 0.3, 2))
+        X = H * (np.stack(np.meshgrid(*[np.arange(2 * CELLS) / 2 + 0.25] * 2), axis=-1).reshape(-1, 2))
+        X = X if without is None else X[(without != X // H).any(axis=1)]
+        particles, nodes = variant._particles(body, X, np.full(len(X), H * H / 4)), variant._nodes(axes, body)
+        spread(variant._scheme(body), variant._grid(axes, at), particles, nodes)
+        assert np.array_equal(nodes.cells[:, 0].reshape(CELLS, CELLS), fitted)
+
+
+@bases
+@in_dimensions
+def test_a_linear_body_force_is_integrated_exactly_where_particles_are_points_of_a_quadrature(basis, dimension):
+    """Of Gauss, two in a cell along an axis, so that sums over them are means over it."""
+    scheme, grid, particles, nodes, _ = cloud(basis, dimension, Fixed(), per_cell=2**dimension)
+    corner = np.stack(np.meshgrid(*[[-1, 1]] * dimension), axis=-1).reshape(-1, dimension) / np.sqrt(12)
+    particles.position[:] = H * (np.floor(particles.position / H) + 0.5 + np.tile(corner, (CELLS**dimension, 1)))
+    particles.volume[:], particles.mass[:] = (H / 2) ** dimension, 2 * (H / 2) ** dimension
+    particles.F[:] = np.eye(dimension).ravel()
+    slope = np.random.default_rng(4).normal(size=(dimension, dimension))
+    spread(scheme, grid, particles, nodes, particles.position @ slope)
+    place, weight, N = quadrature(BASES[basis].degree, dimension)[:3]
+    assert nodes.external == pytest.approx((2 * np.einsum("g,gi,gc->ci", weight, N, place @ slope)), abs=1e-12)
+    assert nodes.inertia[0] == pytest.approx(2 * weight @ N, abs=1e-12)
+
+
+def test_a_body_of_a_shape_is_refused():
+    disk = box(2, Traction(Constant(0.0)), shape=Disk((0.75, 0.75), 0.5))
+    with pytest.raises(UsageError, match="bodies that fill the cells"):
+        MaterialPoint("USL", FLIP, "tls-linear").solve(disk, Discretisation(H, 0.3, 4))
 
 
 @in_dimensions

@@ -14,6 +14,7 @@ import pytest
 from faulty_solvers import Scripted, Unreadable, plan, study
 
 from mpmverify import pool
+from mpmverify.bisection import Bisection
 from mpmverify.dataset.files import Results
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.runner import run, tasks_of
@@ -189,6 +190,13 @@ def test_a_solver_that_does_not_say_what_it_compiles_is_told_so(tmp_path, compil
     tasks = tasks_of(study(Compiling(compiles=compiles), levels=1), plan(tmp_path))
     with pytest.raises(UsageError, match=r"let kernel\(problem\) return a hashable value"):
         list(pool.over_processes(tasks * 2, 2, timeout=10.0))
+
+
+def test_a_choice_of_the_solver_by_the_name_of_kernel_says_nothing(tmp_path):
+    (task,) = tasks_of(study(Scripted(), levels=1), plan(tmp_path))
+    smoothed = replace(task, solver=type("Smoothed", (), {"name": "smoothed", "kernel": "gaussian"})())
+    assert smoothed.kernel is None
+    assert Bisection(smoothed.solver).kernel(task.problem.problem) is None
 
 
 def test_nothing_to_do_starts_no_process(tmp_path):

@@ -6,13 +6,14 @@ from mpmverify.problem import Fixed, Periodic, Problem, Traction, Velocity, requ
 from .constitution import LAWS
 
 
-def check(problem: Problem, name: str) -> None:
-    """Refuse a problem that a solver of this name cannot take.
+def check(problem: Problem, name: str, fitted: bool) -> None:
+    """Refuse a problem that a solver of this name, with fits in its cells or without, cannot take.
 
     Raises
     ------
     UsageError
-        If the body is not one of the laws of `constitution` or begins half given, or its faces are not held, loaded or periodic.
+        If the body is not one of the laws of `constitution` or begins half given, its faces are not held, loaded or periodic,
+        or it has a shape though its cells are fitted: those at its surface would be taken for full.
     """
     require(type(problem.material) in LAWS, name, problem, "elastic and viscoelastic bodies")
     conditions = problem.boundary.values()
@@ -20,6 +21,7 @@ def check(problem: Problem, name: str) -> None:
     require(taken, name, problem, "prescribed velocities, tractions and joined ends as boundary conditions")
     joined = [isinstance(condition, Periodic) for _, condition in sorted(problem.boundary.items())]
     require(joined[::2] == joined[1::2], name, problem, "axes of which both ends are joined or neither")
+    require(not fitted or problem.shape is None, name, problem, "bodies that fill the cells of their box")
     loaded = problem.shape is not None and any(isinstance(c, Traction) and c != Traction() for c in conditions)
     require(not loaded, name, problem, "no traction on faces that the body does not touch")
     flat = problem.dimension == 2 or not isinstance(problem.material, PlaneStress)

@@ -13,9 +13,10 @@ from .vectors import Vector, axpy, scale
 # mypy: disable-error-code="no-untyped-def"
 
 DETERMINED = 1e-3
-"""Least part of a function's sum of squares over the particles of a cell that those before it do not explain; below, it is left out."""
-MEAN = 1 / 12
-"""Of x^2 over a cell about its middle."""
+"""Least part of a function's sum of squares over as many particles in all of a cell that those before it do not explain; below, it is
+left out."""
+MEAN, MEAN_SQUARE = 1 / 12, 1 / 180
+"""Of x^2 over a cell about its middle, and of the square of x^2 - 1/12."""
 TWO, THREE = math.sqrt(1 / 12), math.sqrt(3 / 20)
 """Distance of the points of two and three of Gauss from the middle of a cell."""
 
@@ -78,6 +79,8 @@ def factor(cell: Array, parts: Parts, d: int) -> int:
             value /= cell[A + k * j + j]
             cell[A + k * i + j] = value
             rest -= value * value
+        if i > 0:  # particles that gather in the middle of the cell have next to no slope to tell
+            whole = max(whole, cell[A] * cell[A] * (MEAN if i <= d else MEAN_SQUARE))
         if not rest > DETERMINED * whole:
             return 1 + d if i > d else min(i, 1)
         cell[A + k * i + i] = math.sqrt(rest)
@@ -104,6 +107,21 @@ def solve(cell: Array, parts: Parts, determined: int, volume: float) -> None:
             cell[B + stride * i + c] = 0.0
     for c in range(parts.conserved):
         cell[B + c] = cell[SUMS + c] / volume
+
+
+@jit
+def keep_positive(cell: Array, parts: Parts) -> None:
+    """Means in the place of the fits of what is conserved, where the density might not be positive all over the cell.
+
+    No Taylor function is larger than a half there.
+    """
+    B, stride, reach = parts.densities, parts.fields, 0.0
+    for i in range(1, parts.functions):
+        reach += 0.5 * abs(cell[B + stride * i])
+    if not reach < cell[B]:
+        for i in range(1, parts.functions):
+            for c in range(parts.conserved):
+                cell[B + stride * i + c] = 0.0
 
 
 @jit

@@ -78,7 +78,7 @@ def nodal_velocity(
             v[i] = momentum[i] / mass[i] if mass[i] > massless else 0.0
         sums[c] = 0.0
         for i in range(mass.size):
-            if 0 < mass[i] <= massless:
+            if mass[i] <= massless:
                 sums[c] -= momentum[i]
 
 

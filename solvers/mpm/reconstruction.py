@@ -2,8 +2,8 @@
 
 A fit is a Taylor polynomial about the middle of the cell, its highest terms less their means: of the first degree for hats, else of the
 second, or of a lower one where the particles of the cell do not determine more. What is conserved, mass, momentum and body force, takes
-its mean from the sum over the particles. At a free surface, in a cell at a loaded face or beside an empty one, particles stay
-what they are to the other bases: points of quadrature with their volumes.
+its mean from the sum over the particles, and is that mean where the density might not be positive. At a free surface, in a cell at a
+loaded face or beside an empty one, particles stay what they are to the other bases: points of quadrature with their volumes.
 
 References
 ----------
@@ -30,6 +30,7 @@ from .fits import (
     fitted_columns,
     gauss_point,
     gauss_points,
+    keep_positive,
     parts_like,
     parts_of,
     solve,
@@ -216,6 +217,7 @@ def spread_fits(
         cell[FITTED] = min(determined, 1)
         if determined > 0:
             solve(cell, parts, determined, volume)
+            keep_positive(cell, parts)
             spread_cell(grid.width, grid, nodes, c, volume, advance)
         for k in range(SUMS, cell.size):
             cell[k] = 0.0

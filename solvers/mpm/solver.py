@@ -77,7 +77,8 @@ class MaterialPoint:
     acts on the end functions of the grid: in the updated Lagrangian formulation a loaded face must stay within its cells.
     Where a free surface crosses a cell by little, f/m of the nodes beyond it is large: harmless to B-splines; linear functions need
     FLIP or FMPM, with USF or MUSL, to strain by velocities that the mass of the particles has averaged. Taylor least squares in the
-    updated Lagrangian formulation needs particles enough to determine the fits wherever they gather: three or more along an axis.
+    updated Lagrangian formulation needs particles enough to determine the fits wherever they gather: less than three along an axis are
+    too few, and so may three be that begin jittered.
 
     References
     ----------
@@ -171,7 +172,7 @@ class MaterialPoint:
         UsageError
             If the body is not one of the laws of `constitution`, or its faces are not held, loaded or periodic.
         """
-        check(problem, self.name)
+        check(problem, self.name, BASES[self.basis].kind == TLS)
         steps, dt = discretisation.time_steps(problem)
         axes = self._axes(problem, discretisation)
         grid = self._grid(axes, discretisation)
