@@ -58,9 +58,8 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
             for name, size in sizes.items():
                 file.createDimension(name, size)
 
-            pending: list[
-                tuple[netCDF4.Variable, Array]
-            ] = []  # written when all is declared: to take turns costs twice the time
+            # Values are written when all is declared: the library takes longer where the two take turns.
+            pending: list[tuple[netCDF4.Variable, Array]] = []
 
             def put(name: str, dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> None:
                 variable = file.createVariable(name, "f8", dimensions)
