@@ -5,6 +5,8 @@ import dataclasses
 import math
 import multiprocessing.util
 import os
+import subprocess
+import sys
 import tempfile
 import time
 from collections import Counter
@@ -309,6 +311,24 @@ def test_a_process_that_dies_or_hangs_takes_no_other_task_with_it():
 def test_a_process_that_is_not_let_run_is_undecided(monkeypatch):
     monkeypatch.setattr(processes, "PATIENCE", 2)
     assert dict(each_alone(_double, (5,), 1, 1.0, _why, ["mpmverify.errors"])) == {5: ("no result within 2 s", True)}
+
+
+ALONE = """
+import math
+from mpmverify.selftest.processes import each_alone
+
+if __name__ == "__main__":
+    print(*dict(each_alone(math.sqrt, (4.0,), 1, 60.0, lambda reason, undecided: reason, ["mpmverify.errors"])).values())
+"""
+
+
+def test_processes_import_what_is_installed_and_not_what_lies_in_the_working_folder(tmp_path):
+    checkout, script = tmp_path / "checkout", tmp_path / "alone.py"
+    (checkout / "mpmverify").mkdir(parents=True)
+    (checkout / "mpmverify" / "__init__.py").write_text("raise RuntimeError('from the working folder')", encoding="utf-8")
+    script.write_text(ALONE, encoding="utf-8")
+    done = subprocess.run([sys.executable, script], cwd=checkout, capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("2.0\n", "")
 
 
 # What is kept.

@@ -20,6 +20,8 @@ R_co = TypeVar("R_co", covariant=True)
 OUT_OF_TIME = getattr(signal, "SIGXCPU", None)
 """Signal that ends a process at its limit of processor time; None where there is none."""
 PATIENCE = 20
+SAFE_PATH = {"PYTHONSAFEPATH": "1"}
+"""The process that forks the others would import from the working folder first, and take a checkout's for the installed modules."""
 
 
 class Failed(Protocol[R_co]):
@@ -79,7 +81,7 @@ def each_alone(
                 ours, theirs = context.Pipe(duplex=False)
                 task = waiting.pop()
                 process = context.Process(target=_serve, args=(theirs, work, task, timeout), daemon=True)
-                with no_interrupt():
+                with no_interrupt(), environment(SAFE_PATH):
                     process.start()
                 theirs.close()
                 busy[ours] = (process, task, time.monotonic() + PATIENCE * timeout)
