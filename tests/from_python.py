@@ -11,6 +11,7 @@ from mpmverify.solvers.mpm.compilation import ARITHMETIC
 from mpmverify.solvers.mpm.lanes import lanes_of
 from mpmverify.solvers.mpm.order import strips
 from mpmverify.solvers.mpm.state import nodal
+from mpmverify.solvers.mpm.tracing import traced
 from mpmverify.solvers.mpm.vectors import columns, constant, scale
 
 
@@ -29,29 +30,31 @@ def entries(module):
     )
 
 
+@traced
+def _along(grid, s):
+    first, offset = stencil.begin(grid, 0, s, 1.0)
+    N, dN = basis.along(grid, 0, first, offset)
+    return first, N, dN, basis.moment_along(grid, 0, first, s, N)
+
+
 @njit(**ARITHMETIC)
 def along(grid, s):
     """First function, N (W,) and dN/dx (W,) along the only axis of a grid."""
-    k, width = stencil.numbers((s,))[0], grid.width
-    first, offset = stencil.begin(grid.kind, grid, k, s, 1.0)
-    N, dN = basis.along(width, grid, k, first, offset)
+    first, N, dN, _ = _along(grid, s)
     return first, np.array(N), np.array(dN)
 
 
 @njit(**ARITHMETIC)
 def moment_along(grid, s):
     """Moments N (x_I - x) (W,), and their moment D, in cells."""
-    k, width = stencil.numbers((s,))[0], grid.width
-    first, offset = stencil.begin(grid.kind, grid, k, s, 1.0)
-    N, _ = basis.along(width, grid, k, first, offset)
-    moment, D = basis.moment_along(grid, k, first, s, N)
+    moment, D = _along(grid, s)[3]
     return np.array(moment), D
 
 
 @njit(**ARITHMETIC)
 def supported(scheme, grid, particles, p):
     """Whether a particle is on the grid."""
-    return stencil.found(grid.kind, scheme, grid, particles, p)[0]
+    return stencil.found(scheme, grid, particles, p)[0]
 
 
 @njit(**ARITHMETIC)

@@ -124,8 +124,20 @@ def test_code_of_the_ends_is_known_by_the_table_that_a_loop_reads(toy):
         "    for n in range(begin, end):\n        print(n)\n",
         encoding="utf-8",
     )
-    found = [fault.edits[0].new for fault in faults(toy, "toy") if fault.rule == "boundary" and "grid" in fault.edits[0].file]
-    assert found == ["    pass", "    for k in range(min(1, faces.held.shape[0])):"]
+    (toy / "toy" / "traced.py").write_text(
+        "def hold(faces):\n    with each(0, faces.held.shape[0]) as k:\n        print(k)\n"
+        "    with each(0, 3) as n:\n        print(n)\n",
+        encoding="utf-8",
+    )
+    found = [
+        fault.edits[0].new for fault in faults(toy, "toy") if fault.rule == "boundary" and "kernel" not in fault.edits[0].file
+    ]
+    assert found == [
+        "    pass",
+        "    for k in range(min(1, faces.held.shape[0])):",
+        "    pass",
+        "    with each(1, faces.held.shape[0]) as k:",
+    ]
 
 
 def test_an_argument_without_a_type_is_swapped_with_no_other(toy):

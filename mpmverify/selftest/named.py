@@ -24,7 +24,7 @@ BY_GRADIENT, BY_OTHER = (
 )
 LINEAR = "return shifted(lame * trace(eps), 2 * shear, eps)"
 NEO_HOOKEAN = "return shifted((lame * log(J) - shear) / J, shear / J, b)"
-V_SIGMA, V_PIOLA = "constant(-V0 * det(F), like)", "constant(-V0, like)"
+VOLUME = "where(scheme.total, V0, V0 * det(F))"
 STRAINED = "passed = min(passed, strain(scheme.law, scheme, particles, p, some, scale(dt, gradient)"
 TOO_FAR = STRAINED.replace("scale(dt, gradient)", "gradient")
 SCALED = (
@@ -34,12 +34,11 @@ SCALED = (
 KICKED = "axpy(step, a, before), scale("
 MOVED = "scale(dt, moved), limits))\n                if"
 HELD = "        nodes.acceleration[c, i] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / step\n"
-KICK = "            v[i] += step * a[i]\n"
-KEPT = "            nodes.projected[c, begin + i] = v[i]\n"
-REPROJECT = "            nodal_velocity(nodes, strips, nodes.projected, massless, body, 0, 0.0, 0.0, added, 0, count)\n"
+KICK = "        nodes.velocity[c, i] = v + step * a\n"
+KEPT = "        nodes.projected[c, i] = v\n"
+REPROJECT = "            nodal_velocity(zero, nodes, strips, nodes.projected, massless, 0.0, 0.0, added, 0, count)\n"
 REPROJECTED = "            hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)\n"
-CLEARED = "            values = totals[c, begin:end]\n"
-KEEP_MASS = "            if c == 0 and totals.shape[0] > nodes.velocity.shape[0]:\n                continue\n"
+CLEARED, KEEP_MASS = "for c in range(count):", "for c in range(count - len(zero), count):"
 CONSTANTS = "float(material.lame_lambda), float(material.shear_modulus)"
 SWAPPED = "float(material.shear_modulus), float(material.lame_lambda)"
 CONTOUR = "                    R[i, k] -= dt * contour\n"
@@ -102,17 +101,16 @@ MATERIAL_POINT = (
     _fault(
         MPM,
         "second Piola-Kirchhoff stress for the first",
-        (TENSORS, "return (sigma[0],)", "return (sigma[0] / F[0],)"),
+        (TENSORS, "full(sigma), cofactor(F)", "full(sigma), tuple(c / F[0] for c in cofactor(F))"),
     ),
     _fault(MPM, "lambda and mu swapped", (LAW, CONSTANTS, SWAPPED)),
     _fault(
         MPM,
         "sign of the internal force",
-        (DEFORMATION, V_SIGMA, V_SIGMA.replace("-V0", "V0")),
-        (DEFORMATION, V_PIOLA, V_PIOLA.replace("-V0", "V0")),
+        (DEFORMATION, "constant(-V, like)", "constant(V, like)"),
     ),
-    _fault(MPM, "density and volume not updated", (DEFORMATION, V_SIGMA, V_PIOLA)),
-    _fault(MPM, "volume updated in the total Lagrangian formulation too", (DEFORMATION, V_PIOLA, V_SIGMA)),
+    _fault(MPM, "density and volume not updated", (DEFORMATION, VOLUME, "V0")),
+    _fault(MPM, "volume updated in the total Lagrangian formulation too", (DEFORMATION, VOLUME, "V0 * det(F)")),
     _fault(
         MPM,
         "deformation gradient updated by a sum in the updated Lagrangian formulation",
@@ -168,7 +166,7 @@ MATERIAL_POINT = (
     _fault(MPM, "body force without the mass of the particle", (PASSES, "scale(m, b)", "scale(some.present, b)")),
     _fault(MPM, "body force dropped", (PASSES, "scale(m, b)", "scale(0.0, b)")),
     _fault(MPM, "sign of the traction", (FACES, "force.append(sign * values)", "force.append(-sign * values)")),
-    _fault(MPM, "traction one step late", (GRID, "faces.force[face, n]", "faces.force[face, max(n - 1, 0)]")),
+    _fault(MPM, "traction one step late", (GRID, "faces.force[face, n]", "faces.force[face, where(n > 0, n - 1, n)]")),
     _fault(MPM, "no condition on the momentum", (GRID, "        velocity[c, i] = held\n", "")),
     _fault(MPM, "essential conditions dropped", (FACES, "np.array(held, ", "np.array([], ")),
     _fault(
@@ -185,14 +183,14 @@ MATERIAL_POINT = (
     _fault(
         MPM,
         "gradient by the local coordinate",
-        (BASIS, "(1 - xi, xi), (-grid.scale, grid.scale)", "(1 - xi, xi), (-1.0, 1.0)"),
+        (BASIS, "(1.0 - xi, xi), (-grid.scale, grid.scale)", "(1.0 - xi, xi), (-1.0, 1.0)"),
         (BASIS, "scale(grid.scale, axpy(xi, c2, inner))", "axpy(xi, c2, inner)"),
     ),
-    _fault(MPM, "nodal masses not reset", (GRID, CLEARED, CLEARED + KEEP_MASS)),
+    _fault(MPM, "nodal masses not reset", (GRID, CLEARED, KEEP_MASS)),
     _fault(MPM, "nodes of small mass frozen", (LOOP, "MASSLESS = 1e-12", "MASSLESS = 1.2")),
-    _fault(MPM, "whole kick for the first half", (GRID, "else (0.0, 0.5 * dt)", "else (0.0, dt)")),
-    _fault(MPM, "velocity recorded half a step early", (GRID, "return (0.5 * dt, dt) if", "return (0.0, dt) if")),
-    _fault(MPM, "momentum that PIC loses at a held end not counted", (HISTORIES, " + (1 - scheme.flip) * added[c]", "")),
+    _fault(MPM, "whole kick for the first half", (GRID, "(0.0, 0.5 * dt))", "(0.0, dt))")),
+    _fault(MPM, "velocity recorded half a step early", (GRID, "(0.5 * dt, dt)", "(0.0, dt)")),
+    _fault(MPM, "momentum that PIC loses at a held end not counted", (HISTORIES, " + (1.0 - scheme.flip) * added[c]", "")),
 )
 
 TAYLOR_GALERKIN = (

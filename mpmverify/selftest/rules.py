@@ -152,7 +152,7 @@ def wrong_array(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def boundary(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """Code of the ends of a body dropped, or applied at the first end alone."""
+    """Code of the ends of a body dropped, or applied at one end alone: at the first, or in traced code at those after it."""
     if isinstance(node, ast.If) and not source.is_elif(node) and names(node.test) & END_WORDS:
         yield source.replaced(node, "pass")
     elif isinstance(node, ast.For):
@@ -163,6 +163,9 @@ def boundary(source: Source, node: ast.AST) -> Iterator[Patch]:
             yield source.replaced(node.iter, "range(1)")
         elif tables and isinstance(node.iter, ast.Call):
             yield source.replaced(node.iter, f"range(min(1, {source.text(node.iter.args[0])}))")
+    elif isinstance(node, ast.With) and isinstance(each := node.items[0].context_expr, ast.Call) and names(each) & END_WORDS:
+        yield source.replaced(node, "pass")
+        yield source.replaced(each.args[0], "1")
 
 
 RULES: Mapping[str, Rule] = {

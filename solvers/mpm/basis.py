@@ -9,9 +9,9 @@ from scipy.interpolate import BSpline
 
 from mpmverify.problem import Array
 
-from .compilation import jit
 from .lanes import largest
 from .memory import row
+from .tracing import traced
 from .vectors import axpy, by_components, dot, less, scale
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -128,11 +128,12 @@ def _polynomials(knots: Array, degree: int) -> Array:
     return np.array([functions(0.0, nu=power) / math.factorial(power) for power in range(degree + 1)])
 
 
-@jit
-def along(width, grid, k, cell, xi):
+@traced
+def along(grid, k, cell, xi):
     """N [1] and dN/dx [1/m] at xi from the left end of a cell of axis k (W,)."""
+    width = grid.width
     if len(width) == 2:
-        return (1 - xi, xi), (-grid.scale, grid.scale)
+        return (1.0 - xi, xi), (-grid.scale, grid.scale)
     c, piece = grid.polynomials, row(grid.piece, (k, cell), ONE)[0]
     c0, c1, c2 = row(c, (piece, 0, 0), width), row(c, (piece, 1, 0), width), row(c, (piece, 2, 0), width)
     if len(width) == 3:
@@ -144,7 +145,7 @@ def along(width, grid, k, cell, xi):
     return axpy(xi, inner, c0), scale(grid.scale, axpy(xi, axpy(xi, c3, highest), inner))
 
 
-@jit
+@traced
 def integrated_along(grid, a, half):
     """N [1] and dN/dx [1/m] (3,) of three hats that are averaged from a to a + 2 half, at most a cell apart, a from the first node.
 
@@ -157,7 +158,7 @@ def integrated_along(grid, a, half):
     return (N0, 1 - N0 - N2, N2), (d0, -d0 - d2, d2)
 
 
-@jit
+@traced
 def moment_along(grid, k, first, place, N):
     """N (x_I - x) (W,) and D = sum_I N (x_I - x)^2 along axis k, in cells, at a place in cells from the lower end."""
     from_here = less(row(grid.nodes, (k, first), N), place)

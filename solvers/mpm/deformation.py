@@ -3,24 +3,26 @@
 from mpmverify.problem import Array
 
 from .compilation import jit
-from .constitution import dissipation, finite_strain, reference_stress, strain_energy, stress, viscous
+from .constitution import dissipation, finite_strain, linear_elastic, reference_stress, strain_energy, stress, viscous
 from .lanes import floor, lanes_of, positive
 from .memory import row, rows, store, store_rows
 from .state import FAILED, HEAT, PASSED, STRAYED, Grid, Particles, Scheme, columns_of
 from .stencil import Group
-from .tensors import Symmetric, Tensor, deform, det, full
+from .tensors import Symmetric, Tensor, deform, det, full, sym
+from .tracing import traced
+from .values import where
 from .vectors import Vector, axpy, columns, constant, null
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
-@jit
+@traced
 def force_columns(scheme: Scheme, V0, sigma: Symmetric, F: Tensor, like: Vector):
     """-V sigma by columns, or -V0 P in the total Lagrangian formulation."""
-    if scheme.total:
-        return columns(reference_stress(scheme.law, sigma, F), constant(-V0, like))
-    return columns(full(sigma), constant(-V0 * det(F), like))
+    stress = where(scheme.total, reference_stress(scheme.law, sigma, F), full(sigma))
+    V = where(scheme.total, V0, V0 * det(F))
+    return columns(stress, constant(-V, like))
 
 
 @jit
@@ -36,7 +38,8 @@ def strain(
     F = axpy(1.0, increment, before) if scheme.total else deform(increment, before)
     store_rows(state, some.numbers, column.F, F)
     if len(law) == 1:
-        store_rows(state, some.numbers, column.stress, stress(law, scheme.constants, sigma, F, increment, dt))
+        lame, shear, _ = scheme.constants
+        store_rows(state, some.numbers, column.stress, linear_elastic(lame, shear, sigma, sym(increment)))
     else:
         for k in range(some.size):
             q, F_k, sigma_k, increment_k = particles.order[p + k], lanes_of(F, k), lanes_of(sigma, k), lanes_of(increment, k)
@@ -47,21 +50,20 @@ def strain(
     return PASSED if positive(det(F)) or (scheme.total and not finite_strain(scheme.law)) else FAILED
 
 
-@jit
+@traced
 def move(grid: Grid, state: Array, some: Group, increment: Vector, limits: Array) -> int:
     """Move by x += dt v; STRAYED when a last coordinate, on a periodic axis all its images, passes the limits (2,) [m]."""
     x = axpy(1.0, increment, rows(state, some.numbers, 0, increment))
     store_rows(state, some.numbers, 0, x)
-    y, last = x[-1], len(increment) - 1
-    if grid.periodic[last] and not within(y, limits):
-        y = y - (grid.cells[last] / grid.scale) * floor((y - limits[0]) * (grid.scale / grid.cells[last]))
-    return PASSED if within(y, limits) else STRAYED
+    times = floor((x[-1] - limits[0]) * (grid.scale / grid.cells[-1]))
+    image = x[-1] - (grid.cells[-1] / grid.scale) * times
+    return where(within(x[-1], limits) | (grid.periodic[-1] & within(image, limits)), PASSED, STRAYED)
 
 
-@jit
+@traced
 def within(y, limits: Array) -> bool:
     """Whether values lie between limits (2,)."""
-    return positive(y - limits[0]) and positive(limits[1] - y)
+    return positive(y - limits[0]) & positive(limits[1] - y)
 
 
 @jit

@@ -7,6 +7,7 @@ from mpmverify.problem import Array
 
 from .compilation import jit
 from .memory import row
+from .tracing import traced
 from .vectors import Vector, axpy, scale
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -40,21 +41,19 @@ class Parts(NamedTuple):
     densities: int
 
 
-def parts_like(taylor: Vector, zero: Vector) -> Parts:
+@traced
+def parts_of(taylor: Vector, zero: Vector) -> Parts:
     """Parts of the sums of a cell for as many Taylor functions as one tuple has, in as many dimensions as a vector has."""
     d, k = len(zero), len(taylor)
     conserved = 1 + 2 * d
     return Parts(k, conserved + d * d, conserved, SUMS + conserved, SUMS + conserved + k * k)
 
 
-parts_of = jit(parts_like)
-
-
-@jit
+@traced
 def taylor(width, xi: Vector):
     """Taylor functions at a place from the lower corner of a cell, in cells (d,): 1, x, ..., and but for hats x^2 - 1/12, x y, ..."""
     x = xi[0] - 0.5
-    one = 0 * x + 1
+    one = 0.0 * x + 1.0
     if len(xi) == 1:
         return (one, x) if len(width) == 2 else (one, x, x * x - MEAN)
     y = xi[1] - 0.5
@@ -124,7 +123,7 @@ def keep_positive(cell: Array, parts: Parts) -> None:
                 cell[B + stride * i + c] = 0.0
 
 
-@jit
+@traced
 def fitted(cells: Array, c: int, first: int, stride: int, functions, like):
     """Values of fits of a cell where its functions have these values, from a field on, as many as `like` has."""
     value = scale(0.0, like)
@@ -133,16 +132,11 @@ def fitted(cells: Array, c: int, first: int, stride: int, functions, like):
     return value
 
 
-@jit
+@traced
 def fitted_columns(cells: Array, c: int, first: int, stride: int, functions, zero: Vector):
     """The same of a tensor, by columns."""
-    x = fitted(cells, c, first, stride, functions, zero)
-    if len(zero) == 1:
-        return (x,)
-    y = fitted(cells, c, first + len(zero), stride, functions, zero)
-    if len(zero) == 2:
-        return x, y
-    return x, y, fitted(cells, c, first + 2 * len(zero), stride, functions, zero)
+    d = len(zero)
+    return tuple(fitted(cells, c, first + d * k, stride, functions, zero) for k in range(d))
 
 
 @jit

@@ -1,206 +1,178 @@
 """What happens at the nodes: velocity, boundary conditions, acceleration, and what the external forces give."""
 
+import operator
+from collections.abc import Callable
+from functools import reduce, wraps
+from typing import Any
+
 from mpmverify.problem import Array
 
-from .compilation import jit
-from .state import Faces, Grid, Nodes, Strips
+from .memory import add_totals
+from .state import Faces, Grid, Nodes
+from .tracing import traced
+from .values import COUNT, Four, each, where
+from .vectors import Vector
 
-# Tuples whose length decides what a function returns have no annotation.
+# What is a number or lanes, or an array of compiled code, has no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
-@jit
+@traced
 def leapfrog(n: int, dt: float) -> tuple[float, float]:
     """Time from v^{n-1/2} to v^n and to v^{n+1/2}; v^0 is given, and v^{1/2} = v^0 + dt/2 a^0 keeps second order under load."""
-    return (0.5 * dt, dt) if n > 0 else (0.0, 0.5 * dt)
+    return where(n > 0, (0.5 * dt, dt), (0.0, 0.5 * dt))
 
 
-@jit
-def clear(
-    nodes: Nodes,
-    strips: Strips,
-    velocity: Array,
-    massless: float,
-    body: Array,
-    load: int,
-    kick: float,
-    step: float,
-    sums: Array,
-    begin: int,
-    end: int,
+def _pass(at_node: Callable[..., None]) -> Any:
+    """A pass over the nodes from `begin` to `end`, four at a time as far as they go; it sets the sums that it leaves to zero before."""
+
+    @wraps(at_node)
+    def over_nodes(zero, nodes, strips, velocity, massless, kick, step, sums, begin, end):
+        with each(0, sums.shape[0]) as c:
+            sums[c] = 0.0
+        last = end - (end - begin) % COUNT
+        with each(begin, last, COUNT) as i:
+            at_node(zero, nodes, velocity, massless, kick, step, sums, Four(i))
+        with each(last, end) as i:
+            at_node(zero, nodes, velocity, massless, kick, step, sums, i)
+
+    return traced(over_nodes)
+
+
+@_pass
+def clear(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, step: float, sums: Array, i) -> None:
+    """Nothing at the nodes."""
+    for values, count in (nodes.inertia, 1 + len(zero)), (nodes.internal, len(zero)), (nodes.external, len(zero)):
+        for c in range(count):
+            values[c, i] = 0.0
+
+
+@_pass
+def nodal_velocity(
+    zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, step: float, sums: Array, i
 ) -> None:
-    """Nothing at the nodes from `begin` to `end`."""
-    for totals in (nodes.inertia, nodes.internal, nodes.external):
-        for c in range(totals.shape[0]):
-            values = totals[c, begin:end]
-            for i in range(values.size):
-                values[i] = 0.0
+    """v_I = p_I/m_I; `sums` (d,) is the momentum that this adds, where there is no mass."""
+    mass, lost = nodes.inertia[0, i], []
+    for c in range(len(zero)):
+        momentum = nodes.inertia[1 + c, i]
+        velocity[c, i] = where(mass > massless, momentum / mass, 0.0)
+        lost.append(where(mass > massless, 0.0, momentum))
+    add_totals(sums, 0, -1.0, lost)
 
 
-@jit
-def join(grid: Grid, sums) -> None:
-    """Add what was spread to the ghost nodes of a periodic axis to their images."""
-    for g in range(grid.ghosts.shape[0]):
+@_pass
+def accelerate(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, step: float, sums: Array, i) -> None:
+    """a_I = f_I/m_I; the external force is the reaction where there is no mass."""
+    mass = nodes.inertia[0, i]
+    for c in range(len(zero)):
+        internal, external = nodes.internal[c, i], nodes.external[c, i]
+        nodes.external[c, i] = where(mass > massless, external, -internal)
+        nodes.acceleration[c, i] = where(mass > massless, (internal + external) / mass, 0.0)
+
+
+@_pass
+def kick_nodes(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, step: float, sums: Array, i) -> None:
+    """v_I += step a_I, where it is held it arrives at v_b(t^{n+1/2}); the momentum is set to zero for another projection.
+
+    Before, sum_I f_I v_I at t^n and sum_I f_I of the external forces, and the mass (2 + d,).
+    """
+    power, forces = [], []
+    for c in range(len(zero)):
+        external, v, a = nodes.external[c, i], nodes.velocity[c, i], nodes.acceleration[c, i]
+        power.append(external * (v + kick * a))
+        forces.append(external)
+        nodes.velocity[c, i] = v + step * a
+        nodes.inertia[1 + c, i] = 0.0
+    add_totals(sums, 0, 1.0, (reduce(operator.add, power), *forces, nodes.inertia[0, i]))
+
+
+@traced
+def weigh(zero: Vector, nodes: Nodes, body: Array, load: int):
+    """Add the body force m_I b_I, where there is one (n, d) at nodes, to the external forces."""
+    with each(0, where(body.shape[0] > 0, nodes.inertia.shape[1], 0)) as i:
+        for c in range(len(zero)):
+            nodes.external[c, i] += nodes.inertia[0, i] * body[load, i, c]
+
+
+@traced
+def join(grid: Grid, values, like) -> None:
+    """Add what was spread to the ghost nodes of a periodic axis, as many components as `like` has, to their images."""
+    with each(0, grid.ghosts.shape[0]) as g:
         ghost, image = grid.ghosts[g, 0], grid.ghosts[g, 1]
-        for c in range(sums.shape[0]):
-            sums[c, image] += sums[c, ghost]
-            sums[c, ghost] = 0.0
+        for c in range(len(like)):
+            values[c, image] += values[c, ghost]
+            values[c, ghost] = 0.0
 
 
-@jit
+@traced
 def repeat(grid: Grid, values) -> None:
     """Give the ghost nodes of a periodic axis the values of their images."""
-    for g in range(grid.ghosts.shape[0]):
+    with each(0, grid.ghosts.shape[0]) as g:
         ghost, image = grid.ghosts[g, 0], grid.ghosts[g, 1]
-        for c in range(values.shape[0]):
+        for c in range(len(grid.lower)):
             values[c, ghost] = values[c, image]
 
 
-@jit
-def nodal_velocity(
-    nodes: Nodes,
-    strips: Strips,
-    velocity: Array,
-    massless: float,
-    body: Array,
-    load: int,
-    kick: float,
-    step: float,
-    sums: Array,
-    begin: int,
-    end: int,
-) -> None:
-    """v_I = p_I/m_I of the nodes from `begin` to `end`; `sums` (d,) is the momentum that this adds, where there is no mass."""
-    mass = nodes.inertia[0, begin:end]
-    for c in range(velocity.shape[0]):
-        momentum, v = nodes.inertia[1 + c, begin:end], velocity[c, begin:end]
-        for i in range(mass.size):
-            v[i] = momentum[i] / mass[i] if mass[i] > massless else 0.0
-        sums[c] = 0.0
-        for i in range(mass.size):
-            if mass[i] <= massless:
-                sums[c] -= momentum[i]
-
-
-@jit
-def hold_velocity(grid: Grid, nodes: Nodes, faces: Faces, n: int, velocity, added) -> None:
+@traced
+def hold_velocity(grid: Grid, nodes: Nodes, faces: Faces, n: int, velocity: Array, added: Array) -> None:
     """v_b(t^{n-1/2}) where it is held, and the momentum that this adds (d,)."""
-    for k in range(faces.held.shape[0]):
-        i, c, face = faces.held[k, 0], faces.held[k, 1], faces.held[k, 2]
+    with each(0, faces.held.shape[0]) as k:
+        i, c, face = (faces.held[k, j] for j in range(3))
         held = faces.velocity[face, n]
         added[c] += nodes.inertia[0, i] * (held - velocity[c, i])
         velocity[c, i] = held
     repeat(grid, velocity)
 
 
-@jit
+@traced
 def load_faces(nodes: Nodes, faces: Faces, n: int) -> None:
     """Add the tractions p n at t^n to the external forces."""
-    for k in range(faces.loaded.shape[0]):
-        i, c, face = faces.loaded[k, 0], faces.loaded[k, 1], faces.loaded[k, 2]
+    with each(0, faces.loaded.shape[0]) as k:
+        i, c, face = (faces.loaded[k, j] for j in range(3))
         nodes.external[c, i] += faces.area[k] * faces.force[face, n]
 
 
-@jit
-def accelerate(
-    nodes: Nodes,
-    strips: Strips,
-    velocity: Array,
-    massless: float,
-    body: Array,
-    load: int,
-    kick: float,
-    step: float,
-    sums: Array,
-    begin: int,
-    end: int,
-) -> None:
-    """a_I = f_I/m_I of the nodes from `begin` to `end`, with m_I b_I of a body force (n, d) at nodes; the external force is the
-    reaction where there is no mass.
-    """
-    mass = nodes.inertia[0, begin:end]
-    for c in range(nodes.acceleration.shape[0]):
-        internal, external, a = nodes.internal[c, begin:end], nodes.external[c, begin:end], nodes.acceleration[c, begin:end]
-        if body.shape[0] > 0:
-            for i in range(mass.size):
-                external[i] += mass[i] * body[load, begin + i, c]
-        for i in range(mass.size):
-            external[i] = external[i] if mass[i] > massless else -internal[i]
-            a[i] = (internal[i] + external[i]) / mass[i] if mass[i] > massless else 0.0
-
-
-@jit
+@traced
 def hold_acceleration(grid: Grid, nodes: Nodes, faces: Faces, n: int, dt: float) -> None:
     """[v_b(t^{n+1/2}) - v_b(t^{n-1/2})]/dt where it is held; the reaction m_I a_I - f_I is an external force."""
     _, step = leapfrog(n, dt)
-    for k in range(faces.held.shape[0]):
-        i, c, face = faces.held[k, 0], faces.held[k, 1], faces.held[k, 2]
+    with each(0, faces.held.shape[0]) as k:
+        i, c, face = (faces.held[k, j] for j in range(3))
         nodes.acceleration[c, i] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / step
         nodes.external[c, i] = nodes.inertia[0, i] * nodes.acceleration[c, i] - nodes.internal[c, i]
     repeat(grid, nodes.acceleration)
 
 
-@jit
-def kick_nodes(
-    nodes: Nodes,
-    strips: Strips,
-    velocity: Array,
-    massless: float,
-    body: Array,
-    load: int,
-    kick: float,
-    step: float,
-    sums: Array,
-    begin: int,
-    end: int,
-) -> None:
-    """v_I += step a_I of the nodes from `begin` to `end`, where it is held it arrives at v_b(t^{n+1/2}); the momentum is set to zero for
-    another projection. Before, sum_I f_I v_I at t^n and sum_I f_I of the external forces (1 + d,).
-    """
-    sums[0] = 0.0
-    for c in range(nodes.velocity.shape[0]):
-        momentum, external = nodes.inertia[1 + c, begin:end], nodes.external[c, begin:end]
-        v, a = nodes.velocity[c, begin:end], nodes.acceleration[c, begin:end]
-        power, force = 0.0, 0.0
-        for i in range(v.size):
-            force += external[i]
-            power += external[i] * (v[i] + kick * a[i])
-        for i in range(v.size):
-            v[i] += step * a[i]
-            momentum[i] = 0.0
-        sums[0] += power
-        sums[1 + c] = force
-
-
-@jit
-def begin_series(nodes: Nodes, values) -> None:
+@traced
+def begin_series(grid: Grid, nodes: Nodes, values) -> None:
     """Values of the nodes (d, n) as the first term of a series; the momentum is set to zero for what the particles make of it."""
-    for i in range(nodes.inertia.shape[1]):
-        for c in range(values.shape[0]):
+    with each(0, nodes.inertia.shape[1]) as i:
+        for c in range(len(grid.lower)):
             nodes.term[c, i] = values[c, i]
             nodes.inertia[1 + c, i] = 0.0
 
 
-@jit
-def add_term(grid: Grid, nodes: Nodes, faces: Faces, massless: float, total, reaction: float, added) -> None:
+@traced
+def add_term(grid: Grid, nodes: Nodes, faces: Faces, massless: float, total, reaction: float, added: Array) -> None:
     """t_I <- t_I - p_I/m_I, nothing where it is held, and `total` (d, n) += t: the next term of sum_j (I - S^+ S)^j.
 
     What a held node is refused counts as its reaction for a series of accelerations (`reaction` 1), for one of velocities (0) as
     momentum `added` (d,).
     """
-    join(grid, nodes.inertia)
-    for i in range(nodes.inertia.shape[1]):
+    count, d = nodes.inertia.shape[1], len(grid.lower)
+    join(grid, nodes.inertia, (0.0, *grid.lower))
+    with each(0, count) as i:
         mass = nodes.inertia[0, i]
-        for c in range(len(grid.lower)):
-            nodes.term[c, i] = nodes.term[c, i] - nodes.inertia[1 + c, i] / mass if mass > massless else 0.0
+        for c in range(d):
+            nodes.term[c, i] = where(mass > massless, nodes.term[c, i] - nodes.inertia[1 + c, i] / mass, 0.0)
             nodes.inertia[1 + c, i] = 0.0
-    for k in range(faces.held.shape[0]):
+    with each(0, faces.held.shape[0]) as k:
         i, c = faces.held[k, 0], faces.held[k, 1]
         refused = nodes.inertia[0, i] * nodes.term[c, i]
         nodes.external[c, i] -= reaction * refused
-        added[c] -= (1 - reaction) * refused
+        added[c] -= (1.0 - reaction) * refused
         nodes.term[c, i] = 0.0
     repeat(grid, nodes.term)
-    for i in range(nodes.inertia.shape[1]):
-        for c in range(len(grid.lower)):
+    with each(0, count) as i:
+        for c in range(d):
             total[c, i] += nodes.term[c, i]

@@ -1,14 +1,20 @@
 """What a run sums up at every step, and how it says that it may go on."""
 
-from math import isfinite
+from math import inf
 
 import numpy as np
 
 from mpmverify.problem import Array
 
-from .compilation import jit
 from .grid import leapfrog
-from .state import HEAT, KINETIC, MOMENTUM, STRAIN, Grid, Histories, Nodes, Scheme, Strips
+from .lanes import largest
+from .state import HEAT, KINETIC, MOMENTUM, STRAIN, Histories, Scheme, Strips
+from .tracing import traced
+from .values import each, where
+from .vectors import Vector
+
+# What is a number of compiled code has no annotation.
+# mypy: disable-error-code="no-untyped-def"
 
 COMPLETED, UNSTABLE, NON_FINITE, LEFT_GRID, INVERTED, UNSORTED = range(6)
 POWER, WORK, GIVEN, TURNED, IMPULSE = range(5)
@@ -17,69 +23,56 @@ GROWTH = 100.0
 """A run is unstable when its kinetic energy exceeds all the energy that it was ever given by this factor."""
 
 
-@jit
+@traced
 def add_up(
-    scheme: Scheme,
-    histories: Histories,
-    k: int,
-    record: bool,
-    running: Array,
-    added: Array,
-    power_and_force: Array,
-    n: int,
-    dt: float,
+    zero: Vector, scheme: Scheme, histories: Histories, k: int, running: Array, added: Array, at_nodes: Array, n: int, dt: float
 ) -> None:
     """Impulse of applied forces, reactions and, for PIC, of the momentum `added` at held nodes; work as the trapezoid of the power
-    sum_I f_I^ext v_I; and the energy that turned into heat until t^n. What is to `record` becomes record k.
+    sum_I f_I^ext v_I; and the energy that turned into heat until t^n, as record k until the next step comes.
+
+    `at_nodes` are the power, the forces and the mass, see `kick_nodes`.
     """
     kick, step = leapfrog(n, dt)
-    power, force = power_and_force[0], power_and_force[1:]
-    work = kick * (running[POWER] + power)
-    running[POWER] = power
+    work = kick * (running[POWER] + at_nodes[0])
+    running[POWER] = at_nodes[0]
     running[WORK] += work
-    running[GIVEN] += abs(work)
-    for c in range(force.size):
-        if record:
-            histories.impulse[k, c] = running[IMPULSE + c] + kick * force[c]
-        running[IMPULSE + c] += step * force[c] + (1 - scheme.flip) * added[c]
-    if record:
-        histories.external_work[k] = running[WORK]
-        histories.dissipated_energy[k] = running[TURNED]
+    running[GIVEN] += largest(work, -work)
+    for c in range(len(zero)):
+        force = at_nodes[1 + c]
+        histories.impulse[k, c] = running[IMPULSE + c] + kick * force
+        running[IMPULSE + c] += step * force + (1.0 - scheme.flip) * added[c]
+    histories.mass[k] = at_nodes[1 + len(zero)]
+    histories.external_work[k] = running[WORK]
+    histories.dissipated_energy[k] = running[TURNED]
 
 
-@jit
-def record_sums(grid: Grid, nodes: Nodes, strips: Strips, histories: Histories, k: int, running: Array) -> int:
+@traced
+def record_sums(zero: Vector, strips: Strips, histories: Histories, k: int, running: Array) -> int:
     """Sums at t^n as record k, where v^n = v^{n-1/2} + dt/2 sum_I N_I a_I; COMPLETED, UNSTABLE or NON_FINITE.
 
-    Mass sum_I m_I; momentum sum_p m v; kinetic energy sum_p m v^2/2; strain energy; angular momentum sum_p m x cross v with that of
-    the affine parts.
+    Momentum sum_p m v; kinetic energy sum_p m v^2/2; strain energy; angular momentum sum_p m x cross v with that of the affine parts.
     """
-    kinetic, strain = 0.0, 0.0
-    for i in range(nodes.inertia.shape[1]):
-        histories.mass[k] += nodes.inertia[0, i]
-    for s in range(strips.sums.shape[0]):
-        kinetic += strips.sums[s, KINETIC]
-        strain += strips.sums[s, STRAIN]
-        for c in range(len(grid.lower)):
+    d = len(zero)
+    with each(0, strips.sums.shape[0]) as s:
+        histories.kinetic_energy[k] += strips.sums[s, KINETIC]
+        histories.strain_energy[k] += strips.sums[s, STRAIN]
+        for c in range(d):
             histories.momentum[k, c] += strips.sums[s, MOMENTUM + c]
-        for c in range(histories.angular_momentum.shape[1]):
-            histories.angular_momentum[k, c] += strips.sums[s, MOMENTUM + len(grid.lower) + c]
-    histories.kinetic_energy[k] = kinetic
-    histories.strain_energy[k] = strain
-    if k == 0:
-        running[GIVEN] += kinetic + strain
-    if not isfinite(kinetic + strain + running[WORK]):
-        return NON_FINITE
-    return COMPLETED if kinetic <= GROWTH * running[GIVEN] else UNSTABLE
+        for c in range(d * (d - 1) // 2):
+            histories.angular_momentum[k, c] += strips.sums[s, MOMENTUM + d + c]
+    kinetic = histories.kinetic_energy[k]
+    energy = kinetic + histories.strain_energy[k]
+    running[GIVEN] += where(k > 0, 0.0, energy)
+    total = energy + running[WORK]
+    finite = (total > -inf) & (total < inf)
+    return where(finite, where(kinetic <= GROWTH * running[GIVEN], COMPLETED, UNSTABLE), NON_FINITE)
 
 
-@jit
-def heat_of(strips: Strips) -> float:
-    """Energy that a pass has turned into heat."""
-    total = 0.0
-    for s in range(strips.sums.shape[0]):
-        total += strips.sums[s, HEAT]
-    return total
+@traced
+def add_heat(strips: Strips, running: Array):
+    """Add the energy that a pass has turned into heat."""
+    with each(0, strips.sums.shape[0]) as s:
+        running[TURNED] += strips.sums[s, HEAT]
 
 
 def no_histories(steps: int, every: int, dimension: int) -> Histories:

@@ -17,13 +17,15 @@ from .grid import (
     leapfrog,
     load_faces,
     nodal_velocity,
+    weigh,
 )
-from .histories import COMPLETED, INVERTED, LEFT_GRID, TURNED, UNSORTED, add_up, heat_of, record_sums
+from .histories import COMPLETED, INVERTED, LEFT_GRID, UNSORTED, add_heat, add_up, record_sums
 from .order import ARRANGED, INTERVAL, arrange
 from .passes import MUSL, USF, USL, grid_to_particles, particles_to_grid, record_fields, smooth, strain_particles
 from .reconstruction import COUNT, fit_cells, spread_fits
 from .state import FAILED, STRAYED, Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme, Strips, columns_of
 from .sweeps import IN_THREADS
+from .vectors import with_mass
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -63,7 +65,7 @@ def refine(
     would have given. `reaction` is 1 for accelerations and 0 for velocities, see `add_term`. Nothing where there is no series.
     """
     if len(series) > 0:
-        begin_series(nodes, values)
+        begin_series(grid, nodes, values)
         for _ in range(scheme.terms - 1):
             smooth(scheme, grid, particles, nodes, strips, 0, body, 0, 0, 0.0, False, False)
             add_term(grid, nodes, faces, massless, total, reaction, added)
@@ -121,10 +123,11 @@ def march_through(
     massless, last, strayed, count = MASSLESS * heaviest, faces.force.shape[1] - 1, False, nodes.inertia.shape[1]
     many, series, turns = strips.passed.size > 1, scheme.series, scheme.full_mass
     velocity, nodal_body = nodes.velocity, body if scheme.nodal_body else body[:0]
-    nothing, added, power_and_force = (
+    zero = grid.lower
+    nothing, added, sums_at_nodes = (
         strips.total[0, :0],
         strips.total[0, : len(grid.lower)],
-        strips.total[1, : 1 + len(grid.lower)],
+        strips.total[1, : 2 + len(grid.lower)],
     )
     record = 0
     while histories.step[record] < begin:
@@ -134,12 +137,12 @@ def march_through(
             return UNSORTED, n, output
         if n == begin or (n % ARRANGED == 0 and not scheme.total):
             arrange(scheme, grid, particles, nodes, strips, 0, body, 0, 0, 0.0, False, False)
-        clear(nodes, strips, velocity, massless, body, 0, 0.0, 0.0, nothing, 0, count)
+        clear(zero, nodes, strips, velocity, massless, 0.0, 0.0, nothing, 0, count)
         load, forces, recorded = n - begin, scheme.schedule != USF or n == 0, histories.step[record] == n
         if to_grid(grid.kind, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, forces) == FAILED:
             return LEFT_GRID, n, output
-        join(grid, nodes.inertia)
-        nodal_velocity(nodes, strips, velocity, massless, body, 0, 0.0, 0.0, added, 0, count)
+        join(grid, nodes.inertia, with_mass(0.0, zero))
+        nodal_velocity(zero, nodes, strips, velocity, massless, 0.0, 0.0, added, 0, count)
         hold_velocity(grid, nodes, faces, n, velocity, added)
         sums = velocity if turns else nodes.projected
         if len(series) > 0 and not turns:
@@ -149,11 +152,12 @@ def march_through(
             passed = strain_particles(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, forces)
             if passed == FAILED:
                 return INVERTED, n, output
-            running[TURNED] += heat_of(strips)
-        join(grid, nodes.internal)
-        join(grid, nodes.external)
+            add_heat(strips, running)
+        join(grid, nodes.internal, zero)
+        join(grid, nodes.external, zero)
         load_faces(nodes, faces, n)
-        accelerate(nodes, strips, velocity, massless, nodal_body, load, 0.0, 0.0, nothing, 0, count)
+        weigh(zero, nodes, nodal_body, load)
+        accelerate(zero, nodes, strips, velocity, massless, 0.0, 0.0, nothing, 0, count)
         hold_acceleration(grid, nodes, faces, n, dt)
         if turns:
             sums = nodes.acceleration
@@ -163,12 +167,12 @@ def march_through(
             first, stop = strips.particles[0], strips.particles[-1]
             record_fields(scheme, grid, particles, nodes, outputs, output, n, dt, first, stop)
         kick, step = leapfrog(n, dt)
-        kick_nodes(nodes, strips, velocity, massless, body, 0, kick, step, power_and_force, 0, count)
-        add_up(scheme, histories, record, recorded, running, added, power_and_force, n, dt)
+        kick_nodes(zero, nodes, strips, velocity, massless, kick, step, sums_at_nodes, 0, count)
+        add_up(zero, scheme, histories, record, running, added, sums_at_nodes, n, dt)
         advance = n < last
         passed = grid_to_particles(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, advance)
         if recorded:
-            status = record_sums(grid, nodes, strips, histories, record, running)
+            status = record_sums(zero, strips, histories, record, running)
             if status != COMPLETED:
                 return status, n, output
             record += 1
@@ -176,19 +180,19 @@ def march_through(
         if n == last:
             break
         if scheme.schedule == USL:
-            running[TURNED] += heat_of(strips)
+            add_heat(strips, running)
         if scheme.schedule == MUSL:
             if len(grid.kind) == 5:
-                clear(nodes, strips, velocity, massless, body, 0, 0.0, 0.0, nothing, 0, count)
+                clear(zero, nodes, strips, velocity, massless, 0.0, 0.0, nothing, 0, count)
                 to_grid(grid.kind, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, not forces)
-            join(grid, nodes.inertia)
-            nodal_velocity(nodes, strips, nodes.projected, massless, body, 0, 0.0, 0.0, added, 0, count)
+            join(grid, nodes.inertia, with_mass(0.0, zero))
+            nodal_velocity(zero, nodes, strips, nodes.projected, massless, 0.0, 0.0, added, 0, count)
             hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)
             if turns:
                 sums = nodes.projected
                 refine(series, scheme, grid, particles, nodes, faces, strips, body, massless, sums, sums, 0.0, added)
             passed = strain_particles(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, advance)
-            running[TURNED] += heat_of(strips)
+            add_heat(strips, running)
         if passed == FAILED:
             return INVERTED, n + 1, output
         strayed = passed == STRAYED

@@ -79,7 +79,7 @@ def arrange(
     for c in range(share.size):
         share[c] = 0
     for p in range(begin, end):
-        here, first, _ = found(grid.kind, scheme, grid, particles, p)
+        here, first, _ = found(scheme, grid, particles, p)
         node[p] = min(max(node_of(grid, first) - lowest, 0), highest) if here else 0
         share[node[p] + 1] += 1
     for c in range(highest + 1):

@@ -5,13 +5,13 @@ All take the same: how many steps the `load` is on in the block of body forces, 
 
 from mpmverify.problem import Array
 
-from .affine import gather_affine, spin_with, spread_momentum
+from .affine import NO_AFFINE, gather_affine, spin_with, spread_momentum
 from .compilation import jit
 from .constitution import finite_strain
 from .deformation import force_columns, move, stored_energy, strain
 from .grid import leapfrog
 from .lanes import total
-from .memory import row, rows, store_rows
+from .memory import add_totals, row, rows, store_rows
 from .reconstruction import not_fitted
 from .state import (
     FAILED,
@@ -30,6 +30,7 @@ from .state import (
 )
 from .stencil import domain, group, places, support
 from .tensors import det
+from .tracing import traced
 from .transfer import gather, gather_tensor, spread, spread_tensor
 from .vectors import Vector, axpy, cross, dot, null, scale, with_mass
 
@@ -44,17 +45,17 @@ def stencil_of(scheme: Scheme, grid: Grid, particles: Particles, p: int, end: in
     """The particles from p on that one stencil serves, and their support."""
     some = group(grid.kind, scheme, grid, particles, p, end)
     F = rows(particles.state, some.numbers, columns_of(grid.lower).F, null(grid.lower)[1])
-    return some, support(grid.kind, grid, some.first, some.offset, domain(grid.kind, grid, F))
+    return some, support(grid, some.first, some.offset, domain(grid, F))
 
 
-@jit
-def spread_inertia(kind, grid: Grid, particles: Particles, nodes: Nodes, numbers, m, v: Vector, at) -> None:
+@traced
+def spread_inertia(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, numbers, m, v: Vector, at) -> None:
     """m_I += m_p N_Ip, and the momentum."""
-    if len(kind) == 0:
+    if len(scheme.affine) == len(NO_AFFINE):
         spread(grid, nodes.inertia, 0, at, with_mass(m, v))
     else:
         spread(grid, nodes.inertia, 0, at, (m,))
-        spread_momentum(kind, grid, particles, nodes, numbers, m, v, at)
+        spread_momentum(scheme, grid, particles, nodes, numbers, m, v, at)
 
 
 @jit
@@ -84,10 +85,10 @@ def particles_to_grid(
         if some.size == 0:
             return FAILED
         F = rows(state, some.numbers, column.F, tensor)
-        at = support(grid.kind, grid, some.first, some.offset, domain(grid.kind, grid, F))
-        m, V = scale(not_fitted(grid.kind, grid, nodes, some), rows(state, some.numbers, column.mass, (0.0, 0.0)))
+        at = support(grid, some.first, some.offset, domain(grid, F))
+        m, V = scale(not_fitted(grid, nodes, some), rows(state, some.numbers, column.mass, (0.0, 0.0)))
         v, sigma = rows(state, some.numbers, column.velocity, zero), rows(state, some.numbers, column.stress, symmetric)
-        spread_inertia(scheme.affine, grid, particles, nodes, some.numbers, m, v, at)
+        spread_inertia(scheme, grid, particles, nodes, some.numbers, m, v, at)
         if advance:
             spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
         if body.shape[0] > 0 and not scheme.nodal_body:
@@ -159,11 +160,11 @@ def grid_to_particles(
         if record or scheme.flip > 0:
             a = gather(grid, nodes.acceleration, at)
         gradient = gather_tensor(grid, nodes.velocity, at)
-        affine = gather_affine(scheme.affine, grid, nodes, at, gradient)
+        affine = gather_affine(scheme, grid, nodes, at, gradient)
         if record:
             m = some.present * rows(state, some.numbers, column.mass, (0.0,))[0]
             now, x = axpy(kick, a, before), rows(state, some.numbers, 0, zero)
-            spin = spin_with(scheme.affine, grid, particles, some.numbers, at, cross(x, now))
+            spin = spin_with(scheme, grid, particles, some.numbers, at, cross(x, now))
             sums[KINETIC] += total(0.5 * m * dot(now, now))
             for k in range(p, p + some.size):
                 sums[STRAIN] += stored_energy(scheme, particles, particles.order[k], zero)
@@ -177,24 +178,13 @@ def grid_to_particles(
             store_rows(state, some.numbers, column.affine, affine)
             if scheme.schedule == MUSL:
                 m = some.present * rows(state, some.numbers, column.mass, (0.0,))[0]
-                spread_momentum(scheme.affine, grid, particles, nodes, some.numbers, m, v, at)
+                spread_momentum(scheme, grid, particles, nodes, some.numbers, m, v, at)
             else:
                 passed = min(passed, move(grid, state, some, scale(dt, moved), limits))
                 if scheme.schedule == USL:
                     passed = min(passed, strain(scheme.law, scheme, particles, p, some, scale(dt, gradient), dt, sums, zero))
         p += max(some.size, 1)
     return passed
-
-
-@jit
-def add_totals(sums: Array, first: int, m, some: Vector) -> None:
-    """Add sum_p m times a vector to an array from a place on."""
-    values = scale(m, some)
-    sums[first] += total(values[0])
-    if len(some) > 1:
-        sums[first + 1] += total(values[1])
-    if len(some) > 2:
-        sums[first + 2] += total(values[2])
 
 
 @jit

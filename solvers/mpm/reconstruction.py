@@ -17,7 +17,7 @@ import numpy as np
 
 from mpmverify.problem import Array, Traction
 
-from .basis import TLS, Axis, Basis
+from .basis import ONE, TLS, Axis, Basis
 from .compilation import jit
 from .deformation import force_columns
 from .fits import (
@@ -31,16 +31,16 @@ from .fits import (
     gauss_point,
     gauss_points,
     keep_positive,
-    parts_like,
     parts_of,
     solve,
     taylor,
 )
 from .lanes import total
-from .memory import rows
+from .memory import add_totals, row, rows
 from .state import FAILED, PASSED, Grid, Nodes, Particles, Scheme, Strips, columns_of
 from .stencil import Group, group, places, support
 from .tensors import det
+from .tracing import traced
 from .transfer import spread, spread_tensor
 from .vectors import Vector, null, scale, with_mass
 
@@ -53,7 +53,7 @@ def cells_of(axes: tuple[Axis, ...], basis: Basis, boundary: Mapping[str, object
     if basis.kind != TLS:
         return np.zeros((0, 0))
     d = len(axes)
-    parts = parts_like((0.0,) * math.comb(d + min(basis.degree, 2), d), (0.0,) * d)
+    parts = parts_of((0.0,) * math.comb(d + min(basis.degree, 2), d), (0.0,) * d)
     cells = np.zeros((*(axis.cells for axis in reversed(axes)), parts.densities + parts.functions * parts.fields))
     for face, condition in boundary.items():
         if isinstance(condition, Traction):
@@ -62,13 +62,12 @@ def cells_of(axes: tuple[Axis, ...], basis: Basis, boundary: Mapping[str, object
     return cells.reshape(-1, cells.shape[-1])
 
 
-@jit
+@traced
 def cell_number(grid: Grid, first) -> int:
-    """Number of the cell that is so far along the axes (d,)."""
-    number, stride = 0, 1
-    for k in range(len(first)):
-        number += stride * first[k]
-        stride *= grid.cells[k]
+    """Number of the cell that is so far along the axes (d,), x fastest."""
+    number = first[-1]
+    for k in reversed(range(len(first) - 1)):
+        number = first[k] + grid.cells[k] * number
     return number
 
 
@@ -83,18 +82,11 @@ def cell_along(grid: Grid, number: int, like: Vector):
     return x, beyond % grid.cells[1], beyond // grid.cells[1]
 
 
-@jit
-def add_sums(cell: Array, first: int, values) -> None:
-    """Add the sums of a tuple of values over the particles of a group, from an entry on."""
-    for k in range(len(values)):
-        cell[first + k] += total(values[k])
-
-
-@jit
+@traced
 def add_products(cell: Array, first: int, stride: int, functions, values) -> None:
     """Add the sums of products of functions with values (k, ...), a row each `stride` entries."""
     for i in range(len(functions)):
-        add_sums(cell, first + stride * i, scale(functions[i], values))
+        add_totals(cell, first + stride * i, functions[i], values)
 
 
 @jit
@@ -112,11 +104,11 @@ def add_to_cell(
     cell[COUNT] += total(some.present)
     add_products(cell, parts.products, parts.functions, there, functions)
     inertia = with_mass(m, rows(state, some.numbers, column.velocity, zero))
-    add_sums(cell, SUMS, scale(some.present, inertia))
+    add_totals(cell, SUMS, some.present, inertia)
     add_products(cell, parts.densities, parts.fields, scale(1 / V, there), inertia)
     if forces and body.shape[0] > 0 and not scheme.nodal_body:
         weight = scale(m, rows(body[load], places(particles, some.numbers), 0, zero))
-        add_sums(cell, SUMS + 1 + d, scale(some.present, weight))
+        add_totals(cell, SUMS + 1 + d, some.present, weight)
         add_products(cell, parts.densities + 1 + d, parts.fields, scale(1 / V, there), weight)
     if forces:
         minus_stress = force_columns(scheme, V0 / V, sigma, F, zero)
@@ -160,7 +152,7 @@ def spread_cell(width, grid: Grid, nodes: Nodes, c: int, volume: float, forces: 
         xi, weight = gauss_point(width, number, zero)
         functions = scale(weight * volume, taylor(width, xi))
         parts = parts_of(functions, zero)
-        at, B, stride = support(grid.kind, grid, first, xi, tensor), parts.densities, parts.fields
+        at, B, stride = support(grid, first, xi, tensor), parts.densities, parts.fields
         spread(grid, nodes.inertia, 0, at, fitted(nodes.cells, c, B, stride, functions, with_mass(0.0, zero)))
         if forces:
             spread(grid, nodes.external, 0, at, fitted(nodes.cells, c, B + 1 + d, stride, functions, zero))
@@ -224,9 +216,10 @@ def spread_fits(
     return PASSED
 
 
-@jit
-def not_fitted(kind, grid: Grid, nodes: Nodes, some: Group):
+@traced
+def not_fitted(grid: Grid, nodes: Nodes, some: Group):
     """The particles of a group that are points of quadrature, as 1 and 0: all, but where their cell is fitted none."""
-    if len(kind) == 5:
-        return some.present * (1 - nodes.cells[cell_number(grid, some.first), FITTED])
-    return some.present
+    if len(grid.kind) != len(TLS):
+        return some.present
+    (fitted,) = row(nodes.cells, (cell_number(grid, some.first), FITTED), ONE)
+    return some.present * (1.0 - fitted)

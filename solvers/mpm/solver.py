@@ -20,7 +20,7 @@ from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSORTED, UNS
 from .layout import REGULAR, Layout, place_particles
 from .order import sort, strips
 from .reconstruction import cells_of
-from .state import Grid, Nodes, Outputs, Particles, Scheme, Strips, columns_like, grid_of, nodal
+from .state import Grid, Nodes, Outputs, Particles, Scheme, Strips, columns_of, grid_of, nodal
 from .transfers import FLIP, Transfer
 
 SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
@@ -277,7 +277,7 @@ class MaterialPoint:
         assert isinstance(problem.material, LinearElastic)
         count, dimension = reference.shape
         kept = dimension**2 if self.transfer.affine else 0
-        state = np.zeros((count, columns_like((0.0,) * dimension).affine + kept))
+        state = np.zeros((count, columns_of((0.0,) * dimension).affine + kept))
         numbers = np.arange(count, dtype=np.int64)
         particles = Particles(numbers, reference, state, numbers.copy())
         particles.position[:] = reference + problem.initial_field("displacement", reference)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from mpmverify.problem import Array
 
 from .basis import Axis, Basis
-from .compilation import jit
 from .constitution import Constants, Law
+from .tracing import traced
 from .vectors import Vector
 
 Integers = NDArray[np.int64]
@@ -104,16 +104,13 @@ class Columns(NamedTuple):
     affine: int
 
 
-def columns_like(zero: Vector) -> Columns:
+@traced
+def columns_of(zero: Vector) -> Columns:
     """Columns of the state in as many dimensions as a vector has."""
     d = len(zero)
     stress = 2 * d + d * d
     mass = stress + d * (d + 1) // 2
     return Columns(d, 2 * d, stress, mass, mass + 1, mass + 2)
-
-
-columns_of = jit(columns_like)
-"""The same within a pass."""
 
 
 class Particles(NamedTuple):
@@ -133,7 +130,7 @@ class Particles(NamedTuple):
 
     @property
     def _columns(self) -> Columns:
-        return columns_like((0.0,) * self.reference.shape[1])
+        return columns_of((0.0,) * self.reference.shape[1])
 
     @property
     def position(self) -> Array:

@@ -13,6 +13,7 @@ from .order import arrange
 from .passes import grid_to_particles, particles_to_grid, smooth, strain_particles
 from .reconstruction import fit_cells, spread_fits
 from .state import PASSED, Grid, Nodes, Particles, Scheme, Strips
+from .vectors import Vector
 
 OF_PARTICLES: tuple[Any, ...] = (
     particles_to_grid,
@@ -81,12 +82,11 @@ def _over_strips(
 
 
 def _over_parts(
+    zero: Vector,
     nodes: Nodes,
     strips: Strips,
     velocity: Array,
     massless: float,
-    body: Array,
-    load: int,
     kick: float,
     step: float,
     sums: Array,
@@ -97,7 +97,7 @@ def _over_parts(
     parts = strips.nodal.shape[0]
     for k in prange(parts):
         first, stop = begin + (end - begin) * k // parts, begin + (end - begin) * (k + 1) // parts
-        one_pass(nodes, strips, velocity, massless, body, load, kick, step, strips.nodal[k], first, stop)
+        one_pass(zero, nodes, strips, velocity, massless, kick, step, strips.nodal[k], first, stop)
     for c in range(sums.size):
         sums[c] = 0.0
         for k in range(parts):
@@ -108,11 +108,15 @@ one_pass: Any = None
 """In a loop over strips or parts the pass that it is compiled for."""
 
 
+def name_of(one: Any) -> str:
+    return str(getattr(one, "py_func", one).__name__)
+
+
 def _in_threads(over: Any, one: Any) -> Any:
-    return compiled(over, {"one_pass": one}, f"{over.__name__}_{one.py_func.__name__}", **WITHOUT_ENTRY, parallel=True)
+    return compiled(over, {"one_pass": one}, f"{over.__name__}_{name_of(one)}", **WITHOUT_ENTRY, parallel=True)
 
 
-IN_THREADS = {one.py_func.__name__: _in_threads(_over_strips, one) for one in OF_PARTICLES} | {
-    one.py_func.__name__: _in_threads(_over_parts, one) for one in OF_NODES
+IN_THREADS = {name_of(one): _in_threads(_over_strips, one) for one in OF_PARTICLES} | {
+    name_of(one): _in_threads(_over_parts, one) for one in OF_NODES
 }
 """The passes by name."""

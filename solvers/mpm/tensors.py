@@ -1,19 +1,38 @@
-"""Tensors as tuples of floats, in one, two and three dimensions.
+"""Tensors as tuples of numbers or lanes, in one, two and three dimensions.
 
 A tensor is a row-major tuple, (xx,), (xx, xy, yx, yy) or nine components; a symmetric one is (xx,), (xx, yy, xy) or
-(xx, yy, zz, xy, yz, zx), a shear component standing for both of its places and not doubled. Numba knows the length of a tuple
-and drops the branches of the other dimensions before it compiles.
+(xx, yy, zz, xy, yz, zx), a shear component standing for both of its places and not doubled.
 """
 
+import operator
+from functools import reduce
 from math import acos, asinh, atanh, cos, log, pi, sqrt
 
 from .compilation import jit
+from .tracing import traced
+from .vectors import DIMENSION, cross
+
+# What is a number or lanes has no annotation.
+# mypy: disable-error-code="no-untyped-def"
 
 Tensor = tuple[float, ...]
 Symmetric = tuple[float, ...]
+PLACES = {
+    1: ((0, 0),),
+    3: ((0, 0), (1, 1), (0, 1)),
+    6: ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)),
+}
+"""Row and column of the components of a symmetric tensor, by how many they are."""
+SYMMETRIC = {1: PLACES[1], 2: PLACES[3], 3: PLACES[6]}
+"""The same by dimension."""
 
 
-@jit
+def product(a, b):
+    """Sum of products of numbers."""
+    return reduce(operator.add, [x * y for x, y in zip(a, b, strict=True)])
+
+
+@traced
 def det(F: Tensor) -> float:
     """Determinant."""
     if len(F) == 1:
@@ -23,179 +42,95 @@ def det(F: Tensor) -> float:
     return F[0] * (F[4] * F[8] - F[5] * F[7]) - F[1] * (F[3] * F[8] - F[5] * F[6]) + F[2] * (F[3] * F[7] - F[4] * F[6])
 
 
-@jit
+@traced
 def deform(dL: Tensor, F: Tensor) -> Tensor:
     """(I + dL) F: the deformation gradient after the increment dL = dt dv/dx."""
-    if len(F) == 1:
-        return (F[0] + dL[0] * F[0],)
-    if len(F) == 4:
-        return (
-            F[0] + dL[0] * F[0] + dL[1] * F[2],
-            F[1] + dL[0] * F[1] + dL[1] * F[3],
-            F[2] + dL[2] * F[0] + dL[3] * F[2],
-            F[3] + dL[2] * F[1] + dL[3] * F[3],
-        )
-    return (
-        F[0] + dL[0] * F[0] + dL[1] * F[3] + dL[2] * F[6],
-        F[1] + dL[0] * F[1] + dL[1] * F[4] + dL[2] * F[7],
-        F[2] + dL[0] * F[2] + dL[1] * F[5] + dL[2] * F[8],
-        F[3] + dL[3] * F[0] + dL[4] * F[3] + dL[5] * F[6],
-        F[4] + dL[3] * F[1] + dL[4] * F[4] + dL[5] * F[7],
-        F[5] + dL[3] * F[2] + dL[4] * F[5] + dL[5] * F[8],
-        F[6] + dL[6] * F[0] + dL[7] * F[3] + dL[8] * F[6],
-        F[7] + dL[6] * F[1] + dL[7] * F[4] + dL[8] * F[7],
-        F[8] + dL[6] * F[2] + dL[7] * F[5] + dL[8] * F[8],
+    d = DIMENSION[len(F)]
+    return tuple(
+        reduce(operator.add, [dL[d * i + k] * F[d * k + j] for k in range(d)], F[d * i + j]) for i in range(d) for j in range(d)
     )
 
 
-@jit
+@traced
 def left_cauchy_green(F: Tensor) -> Symmetric:
     """Left Cauchy-Green tensor b = F F^T."""
-    if len(F) == 1:
-        return (F[0] * F[0],)
-    if len(F) == 4:
-        return (F[0] * F[0] + F[1] * F[1], F[2] * F[2] + F[3] * F[3], F[0] * F[2] + F[1] * F[3])
-    return (
-        F[0] * F[0] + F[1] * F[1] + F[2] * F[2],
-        F[3] * F[3] + F[4] * F[4] + F[5] * F[5],
-        F[6] * F[6] + F[7] * F[7] + F[8] * F[8],
-        F[0] * F[3] + F[1] * F[4] + F[2] * F[5],
-        F[3] * F[6] + F[4] * F[7] + F[5] * F[8],
-        F[6] * F[0] + F[7] * F[1] + F[8] * F[2],
-    )
+    d = DIMENSION[len(F)]
+    return tuple(product(F[d * i : d * i + d], F[d * j : d * j + d]) for i, j in SYMMETRIC[d])
 
 
-@jit
+@traced
 def sym(L: Tensor) -> Symmetric:
     """(L + L^T)/2."""
-    if len(L) == 1:
-        return (L[0],)
-    if len(L) == 4:
-        return (L[0], L[3], 0.5 * (L[1] + L[2]))
-    return (L[0], L[4], L[8], 0.5 * (L[1] + L[3]), 0.5 * (L[5] + L[7]), 0.5 * (L[6] + L[2]))
+    d = DIMENSION[len(L)]
+    return tuple(L[d * i + j] if i == j else 0.5 * (L[d * i + j] + L[d * j + i]) for i, j in SYMMETRIC[d])
 
 
-@jit
+@traced
 def spin(L: Tensor) -> tuple[float, ...]:
     """(L - L^T)/2 of a velocity gradient: its component xy in two dimensions, xy, yz and zx in three, 0 in one."""
-    if len(L) == 1:
-        return (0.0,)
-    if len(L) == 4:
-        return (0.5 * (L[1] - L[2]),)
-    return (0.5 * (L[1] - L[3]), 0.5 * (L[5] - L[7]), 0.5 * (L[6] - L[2]))
+    d = DIMENSION[len(L)]
+    return tuple(0.5 * (L[d * i + j] - L[d * j + i]) for i, j in SYMMETRIC[d][d:]) or (0.0,)
 
 
-@jit
+@traced
 def full(A: Symmetric) -> Tensor:
     """All components of a symmetric tensor."""
-    if len(A) == 1:
-        return (A[0],)
-    if len(A) == 3:
-        return (A[0], A[2], A[2], A[1])
-    return (A[0], A[3], A[5], A[3], A[1], A[4], A[5], A[4], A[2])
+    d, place = dimension(A), {frozenset(ij): k for k, ij in enumerate(PLACES[len(A)])}
+    return tuple(A[place[frozenset((i, j))]] for i in range(d) for j in range(d))
 
 
-@jit
+@traced
 def cofactor(F: Tensor) -> Tensor:
     """J F^-T, whose rows are cross products of the rows of F, so that none is divided by."""
     if len(F) == 1:
         return (1.0,)
     if len(F) == 4:
         return (F[3], -F[2], -F[1], F[0])
-    return (
-        F[4] * F[8] - F[5] * F[7],
-        F[5] * F[6] - F[3] * F[8],
-        F[3] * F[7] - F[4] * F[6],
-        F[7] * F[2] - F[8] * F[1],
-        F[8] * F[0] - F[6] * F[2],
-        F[6] * F[1] - F[7] * F[0],
-        F[1] * F[5] - F[2] * F[4],
-        F[2] * F[3] - F[0] * F[5],
-        F[0] * F[4] - F[1] * F[3],
-    )
+    a, b, c = F[:3], F[3:6], F[6:]
+    return (*cross(b, c), *cross(c, a), *cross(a, b))
 
 
-@jit
+@traced
 def first_piola_kirchhoff(sigma: Symmetric, F: Tensor) -> Tensor:
     """P = J sigma F^-T."""
-    if len(F) == 1:
-        return (sigma[0],)
-    if len(F) == 4:
-        return (
-            sigma[0] * F[3] - sigma[2] * F[1],
-            sigma[2] * F[0] - sigma[0] * F[2],
-            sigma[2] * F[3] - sigma[1] * F[1],
-            sigma[1] * F[0] - sigma[2] * F[2],
-        )
-    ax, ay, az, bx, by, bz, cx, cy, cz = cofactor(F)
-    xx, yy, zz, xy, yz, zx = sigma
-    return (
-        xx * ax + xy * bx + zx * cx,
-        xx * ay + xy * by + zx * cy,
-        xx * az + xy * bz + zx * cz,
-        xy * ax + yy * bx + yz * cx,
-        xy * ay + yy * by + yz * cy,
-        xy * az + yy * bz + yz * cz,
-        zx * ax + yz * bx + zz * cx,
-        zx * ay + yz * by + zz * cy,
-        zx * az + yz * bz + zz * cz,
-    )
+    d, A, C = DIMENSION[len(F)], full(sigma), cofactor(F)
+    return tuple(product(A[d * i : d * i + d], C[j::d]) for i in range(d) for j in range(d))
 
 
-@jit
+@traced
 def dimension(A: Symmetric) -> int:
     """Number of normal components that are stored."""
-    return 3 if len(A) == 6 else (2 if len(A) == 3 else 1)
+    return {1: 1, 3: 2, 6: 3}[len(A)]
 
 
-@jit
+@traced
 def trace(A: Symmetric) -> float:
     """Sum of the normal components that are stored."""
-    if len(A) == 1:
-        return A[0]
-    if len(A) == 3:
-        return A[0] + A[1]
-    return A[0] + A[1] + A[2]
+    return reduce(operator.add, A[: dimension(A)])
 
 
-@jit
+@traced
 def ddot(A: Symmetric, B: Symmetric) -> float:
     """A : B."""
-    if len(A) == 1:
-        return A[0] * B[0]
-    if len(A) == 3:
-        return A[0] * B[0] + A[1] * B[1] + 2 * A[2] * B[2]
-    return A[0] * B[0] + A[1] * B[1] + A[2] * B[2] + 2 * (A[3] * B[3] + A[4] * B[4] + A[5] * B[5])
+    d = dimension(A)
+    normal = product(A[:d], B[:d])
+    return normal + 2 * product(A[d:], B[d:]) if d > 1 else normal
 
 
-@jit
+@traced
 def shifted(p: float, q: float, A: Symmetric) -> Symmetric:
     """Sum p I + q A."""
-    if len(A) == 1:
-        return (p + q * A[0],)
-    if len(A) == 3:
-        return (p + q * A[0], p + q * A[1], q * A[2])
-    return (p + q * A[0], p + q * A[1], p + q * A[2], q * A[3], q * A[4], q * A[5])
+    d = dimension(A)
+    return tuple(p + q * x if k < d else q * x for k, x in enumerate(A))
 
 
-@jit
+@traced
 def combined(p: float, A: Symmetric, q: float, B: Symmetric) -> Symmetric:
     """Sum p A + q B."""
-    if len(A) == 1:
-        return (p * A[0] + q * B[0],)
-    if len(A) == 3:
-        return (p * A[0] + q * B[0], p * A[1] + q * B[1], p * A[2] + q * B[2])
-    return (
-        p * A[0] + q * B[0],
-        p * A[1] + q * B[1],
-        p * A[2] + q * B[2],
-        p * A[3] + q * B[3],
-        p * A[4] + q * B[4],
-        p * A[5] + q * B[5],
-    )
+    return tuple(p * x + q * y for x, y in zip(A, B, strict=True))
 
 
-@jit
+@traced
 def squared(A: Symmetric) -> Symmetric:
     """A A."""
     return left_cauchy_green(full(A))

@@ -1,19 +1,19 @@
 """Transfer between particles and grid over the nodes of a support, in one, two and three dimensions.
 
-Numba knows the length of a tuple and drops the branches of the other kind of support. Values of nodes (C, n) are counted with x fastest.
+Values of nodes (C, n) are counted with x fastest.
 """
 
-from .compilation import jit
 from .memory import add_field, gathered, gathered_by
 from .state import Grid
 from .stencil import corner
+from .tracing import traced
 from .vectors import axpy, combination, dyad, null, scale
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
-@jit
+@traced
 def spread(grid: Grid, nodes, component, at, amount):
     """Particles to grid: a_I += N_Ip a, into the rows from `component` on."""
     if len(at) == 5:
@@ -25,7 +25,7 @@ def spread(grid: Grid, nodes, component, at, amount):
             add_field(grid, nodes, component, first, hats, hats, share, None)
 
 
-@jit
+@traced
 def spread_tensor(grid: Grid, nodes, component, at, T):
     """Particles to grid: a_I += sum_k T_k dN_Ip/dx_k, T_k the columns of a tensor, into the rows from `component` on."""
     if len(at) == 5:
@@ -36,7 +36,7 @@ def spread_tensor(grid: Grid, nodes, component, at, T):
             add_field(grid, nodes, component, first, hats, hats, combination(T, at_corner), None)
 
 
-@jit
+@traced
 def gather(grid: Grid, nodes, at):
     """Grid to particles: the vector sum_I N_Ip a_I."""
     if len(at) == 5:
@@ -48,7 +48,7 @@ def gather(grid: Grid, nodes, at):
     return mean
 
 
-@jit
+@traced
 def gather_tensor(grid: Grid, nodes, at):
     """Grid to particles: the tensor with rows c and columns k, sum_I a_Ic dN_Ip/dx_k, row-major."""
     if len(at) == 5:

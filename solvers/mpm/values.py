@@ -1,0 +1,240 @@
+"""What stands for numbers of compiled code, and for its arrays, while a traced function is called: to compute with it writes the code."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.extending import models, register_model
+from numba.np.arrayobj import make_array
+
+COUNT = 4
+"""Lanes of a register."""
+
+
+class Lanes(types.Type):
+    """Doubles that are computed with at the same time."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Lanes")
+
+
+LANES = Lanes()
+TRUTH, WHOLE, DOUBLE = ir.IntType(1), ir.IntType(64), ir.DoubleType()
+VECTOR = ir.VectorType(DOUBLE, COUNT)
+KINDS: tuple[tuple[ir.Type, types.Type], ...] = (
+    (TRUTH, types.boolean),
+    (WHOLE, types.intp),
+    (DOUBLE, types.float64),
+    (VECTOR, LANES),
+)
+"""Of values, each more than the one before, with the types of numba."""
+
+
+@register_model(Lanes)
+class _Model(models.PrimitiveModel):
+    def __init__(self, manager: Any, lanes: Lanes) -> None:
+        super().__init__(manager, lanes, VECTOR)
+
+
+class Value:
+    """A number, a truth or lanes of compiled code: to compute with it writes instructions."""
+
+    def __init__(self, builder: ir.IRBuilder, code: ir.Value) -> None:
+        self.builder, self.code = builder, code
+
+    def _operated(self, instruction: str, x: Any, y: Any) -> "Value":
+        a, b = alike(self.builder, x, y)
+        write = getattr(self.builder, instruction if a.type == WHOLE else f"f{instruction}")
+        return Value(self.builder, write(a, b))
+
+    def _compared(self, predicate: str, y: Any) -> "Value":
+        a, b = alike(self.builder, self, y)
+        compare = self.builder.icmp_signed if a.type == WHOLE else self.builder.fcmp_ordered
+        return Value(self.builder, compare(predicate, a, b))
+
+    def __add__(self, y: Any) -> "Value":
+        return self._operated("add", self, y)
+
+    def __radd__(self, x: Any) -> "Value":
+        return self._operated("add", x, self)
+
+    def __sub__(self, y: Any) -> "Value":
+        return self._operated("sub", self, y)
+
+    def __rsub__(self, x: Any) -> "Value":
+        return self._operated("sub", x, self)
+
+    def __mul__(self, y: Any) -> "Value":
+        return self._operated("mul", self, y)
+
+    def __rmul__(self, x: Any) -> "Value":
+        return self._operated("mul", x, self)
+
+    def __mod__(self, y: int) -> "Value":
+        """Remainder of a whole number that is not negative."""
+        return Value(self.builder, self.builder.urem(*alike(self.builder, self, y)))
+
+    def __truediv__(self, y: Any) -> "Value":
+        return self._operated("div", real(self), y)
+
+    def __rtruediv__(self, x: Any) -> "Value":
+        return self._operated("div", x, real(self))
+
+    def __neg__(self) -> "Value":
+        return Value(self.builder, self.builder.neg(self.code) if self.code.type == WHOLE else self.builder.fneg(self.code))
+
+    def __lt__(self, y: Any) -> "Value":
+        return self._compared("<", y)
+
+    def __le__(self, y: Any) -> "Value":
+        return self._compared("<=", y)
+
+    def __gt__(self, y: Any) -> "Value":
+        return self._compared(">", y)
+
+    def __ge__(self, y: Any) -> "Value":
+        return self._compared(">=", y)
+
+    def __and__(self, y: "Value") -> "Value":
+        return Value(self.builder, self.builder.and_(self.code, y.code))
+
+    def __or__(self, y: "Value") -> "Value":
+        return Value(self.builder, self.builder.or_(self.code, y.code))
+
+    def __bool__(self) -> bool:
+        raise TypeError("a traced function has no branches on values, see `where`")
+
+    __eq__ = None  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]
+
+
+@contextmanager
+def each(begin: Any, end: Any, step: int = 1) -> Iterator[Any]:
+    """A loop of compiled code over begin <= i < end; what is within writes its body, and leaves nothing but what it stores."""
+    (builder, *_) = (x.builder for x in (begin, end) if isinstance(x, Value))
+    first, last, by = (code_of(builder, x, WHOLE) for x in (begin, end, step))
+    with cgutils.for_range_slice(builder, first, last, by) as (i, _):
+        yield Value(builder, i)
+
+
+class Four:
+    """Index of as many in a row as a register has lanes, from one on."""
+
+    def __init__(self, first: Value) -> None:
+        self.first = first
+
+
+class Memory:
+    """An array of compiled code; no index counts from the end, which would cost a test."""
+
+    def __init__(self, context: Any, builder: ir.IRBuilder, kind: types.Array, code: ir.Value) -> None:
+        self.context, self.builder, self.kind, self.code = context, builder, kind, code
+
+    @property
+    def shape(self) -> tuple[Value, ...]:
+        struct = make_array(self.kind)(self.context, self.builder, self.code)
+        return tuple(Value(self.builder, code) for code in cgutils.unpack_tuple(self.builder, struct.shape))
+
+    def address(self, *index: Any) -> ir.Value:
+        """Address of what is stored from an index on."""
+        struct = make_array(self.kind)(self.context, self.builder, self.code)
+        shape, strides = (cgutils.unpack_tuple(self.builder, part) for part in (struct.shape, struct.strides))
+        at = [code_of(self.builder, k, WHOLE) for k in index]
+        return cgutils.get_item_pointer2(self.context, self.builder, struct.data, shape, strides, "C", at)
+
+    def __getitem__(self, index: Any) -> Value:
+        index = index if isinstance(index, tuple) else (index,)
+        if not isinstance(index[-1], Four):
+            return self.load(self.address(*index), 0)
+        place = self.address(*index[:-1], index[-1].first)
+        return Value(self.builder, self.builder.load(self.builder.bitcast(place, VECTOR.as_pointer()), align=8))
+
+    def __setitem__(self, index: Any, x: Any) -> None:
+        index = index if isinstance(index, tuple) else (index,)
+        if not isinstance(index[-1], Four):
+            self.store(self.address(*index), 0, x)
+        else:
+            place = self.builder.bitcast(self.address(*index[:-1], index[-1].first), VECTOR.as_pointer())
+            self.builder.store(code_of(self.builder, x, VECTOR), place, align=8)
+
+    def load(self, address: ir.Value, k: int) -> Value:
+        """The k-th number from an address on."""
+        found = self.builder.load(beyond(self.builder, address, k))
+        return Value(self.builder, loaded(self.context, self.builder, self.kind.dtype, found))
+
+    def store(self, address: ir.Value, k: int, x: Any) -> None:
+        """Write a double as the k-th from an address on.
+
+        Raises
+        ------
+        TypeError
+            If the array is not one of doubles.
+        """
+        if self.kind.dtype != types.float64:
+            raise TypeError(f"{self.kind} is not written to")
+        self.builder.store(code_of(self.builder, x, DOUBLE), beyond(self.builder, address, k))
+
+
+def loaded(context: Any, builder: ir.IRBuilder, kind: types.Type, code: ir.Value) -> ir.Value:
+    """A number of compiled code, a whole one as wide as others."""
+    return context.cast(builder, code, kind, types.intp) if isinstance(kind, types.Integer) else code
+
+
+def beyond(builder: ir.IRBuilder, address: ir.Value, k: Any) -> ir.Value:
+    """Address of the k-th number from one on."""
+    return builder.gep(address, [code_of(builder, k, WHOLE)])
+
+
+def splat(builder: ir.IRBuilder, code: ir.Value) -> ir.Value:
+    """A number in every lane; lanes as they are."""
+    if isinstance(code.type, ir.VectorType):
+        return code
+    one = builder.insert_element(ir.Constant(ir.VectorType(code.type, COUNT), ir.Undefined), code, cgutils.int32_t(0))
+    return shuffled(builder, one, one, [0] * COUNT)
+
+
+def shuffled(builder: ir.IRBuilder, a: ir.Value, b: ir.Value, numbers: list[int]) -> ir.Value:
+    """Lanes of two registers by number, those of the second counted on."""
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(cgutils.int32_t, len(numbers)), numbers))
+
+
+def code_of(builder: ir.IRBuilder, x: Any, kind: ir.Type) -> ir.Value:
+    """A number or a value as code of a kind that can hold it."""
+    if not isinstance(x, Value):
+        return splat(builder, ir.Constant(DOUBLE, float(x))) if kind == VECTOR else ir.Constant(kind, x)
+    code = x.code
+    if code.type == WHOLE and kind in (DOUBLE, VECTOR):
+        code = builder.sitofp(code, DOUBLE)
+    return splat(builder, code) if kind == VECTOR else code
+
+
+def alike(builder: ir.IRBuilder, *items: Any) -> list[ir.Value]:
+    """Numbers and values as code of one kind: lanes, if one of them is, else doubles, if one is."""
+    kind = KINDS[max(rank(x) for x in items)][0]
+    return [code_of(builder, x, kind) for x in items]
+
+
+def rank(x: Any) -> int:
+    """Place in `KINDS` of a number or a value."""
+    if isinstance(x, Value):
+        return [kind for kind, _ in KINDS].index(x.code.type)
+    return 0 if isinstance(x, bool) else 1 if isinstance(x, int) else 2
+
+
+def real(x: Any) -> Any:
+    """A whole number as a double."""
+    return Value(x.builder, code_of(x.builder, x, DOUBLE)) if isinstance(x, Value) and x.code.type == WHOLE else x
+
+
+def where(condition: Any, a: Any, b: Any) -> Any:
+    """The first where a condition holds, else the second: numbers, values, or tuples of these, of which both are computed."""
+    if not isinstance(condition, Value):
+        return a if condition else b
+    if isinstance(a, tuple):
+        return tuple(where(condition, x, y) for x, y in zip(a, b, strict=True))
+    if a is b:
+        return a
+    x, y = alike(condition.builder, a, b)
+    return Value(condition.builder, condition.builder.select(condition.code, x, y))

@@ -1,0 +1,134 @@
+"""Traced functions: compiled, they are what they are to Python, and what they cannot be compiled to is refused."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numba import njit
+from numba.core.errors import TypingError
+
+from mpmverify.solvers.mpm.lanes import floor, lanes, lanes_of, largest, least, positive, total, whole
+from mpmverify.solvers.mpm.tracing import traced
+from mpmverify.solvers.mpm.values import COUNT, Four, each, where
+
+numbers = st.floats(-1e3, 1e3)
+
+
+class Pair(NamedTuple):
+    a: float
+    b: float
+
+
+@traced
+def arithmetic(x, y, n, pair, deep):
+    a, (b, (c,)) = pair.a, deep
+    k = where(n > 2, n - 1, -n) * 3
+    there = (x < y) & (n >= 0) | (x <= -1.0)
+    return (
+        (x + y, x - 2, 2.5 * x, y * n, x / 4, n / 3, 1 / (y * y + 1), 3 - x, -y, a + b * c),
+        (k, n % 4, whole(x), 7 - n, 5),
+        Pair(where(there, x, y), where(x > y, floor(x), largest(x, least(y, 0.5)))),
+        (there, positive(x)),
+        (),
+    )
+
+
+@njit
+def compiled(x, y, n, pair, deep):
+    return arithmetic(x, y, n, pair, deep)
+
+
+@given(numbers, numbers, st.integers(0, 9), numbers, numbers)
+def test_compiled_a_function_is_what_it_is_to_python(x, y, n, a, b):
+    arguments = x, y, n, Pair(a, b), (b, (a,))
+    found, expected = compiled(*arguments), arithmetic(*arguments)
+    assert found == expected
+    assert [type(value) for value in found[1]] == [int] * 5
+    assert isinstance(found[2], Pair)
+    assert [type(value) for value in found[3]] == [bool] * 2
+
+
+@traced
+def of_lanes(x, y, n):
+    some = where(x > y, x * 2, y - x) + n
+    return (some, largest(some, 0.0), -x / y, 1.5), total(some), positive(x)
+
+
+@njit
+def each_of_four(x, y, n):
+    values, summed, above = of_lanes(lanes(x), lanes(y), n)
+    found = np.zeros((COUNT, 4))
+    for k in range(COUNT):
+        found[k, 0], found[k, 1], found[k, 2], found[k, 3] = lanes_of(values, k)
+    return found, summed, above
+
+
+fours = st.tuples(*[numbers.filter(lambda x: abs(x) > 1e-3)] * COUNT)
+
+
+@given(fours, fours, st.integers(0, 5))
+def test_lanes_are_four_numbers(x, y, n):
+    found, summed, above = each_of_four(x, y, n)
+    expected = [of_lanes(a, b, n) for a, b in zip(x, y, strict=True)]
+    assert np.array_equal(found, [values for values, _, _ in expected])
+    assert summed == pytest.approx(sum(one for _, one, _ in expected), rel=1e-12, abs=1e-9)
+    assert above == all(one for _, _, one in expected)
+
+
+@traced
+def sums(A, places, total, begin, end):
+    """Rows of A by their places into one, and four columns at a time twice."""
+    with each(begin, end) as i:
+        with each(i, i + 3) as _:
+            total[0] += A[places[i], 0]
+        with each(0, A.shape[1], COUNT) as k:
+            total[Four(k)] = total[Four(k)] + 2 * A[places[i], Four(k)]
+
+
+@njit
+def summed(A, places, total, begin, end):
+    sums(A, places, total, begin, end)
+
+
+def test_loops_over_arrays_do_what_they_say():
+    A, places = np.random.default_rng(1).normal(size=(5, 8)), np.array([4, 0, 3], dtype=np.int32)
+    found, expected = np.zeros(8), 2 * A[[0, 3]].sum(axis=0)
+    summed(A, places, found, 1, 3)
+    expected[0] += 3 * A[[0, 3], 0].sum()
+    assert found == pytest.approx(expected, rel=1e-14)
+    before = found.copy()
+    summed(A, places, found, 2, 2)
+    assert np.array_equal(found, before)
+
+
+@traced
+def branching(x):
+    return x if x > 0 else -x
+
+
+@traced
+def comparing(x):
+    return 1.0 if x == 0 else x
+
+
+@traced
+def smallest(x):
+    return min(x, 0.0)
+
+
+@traced
+def writing(x):
+    x[0] = 1.0
+    return 0.0
+
+
+@pytest.mark.parametrize(
+    ("function", "argument"), [(branching, 1.0), (comparing, 1.0), (smallest, 1.0), (writing, np.zeros(2, dtype=np.int64))]
+)
+def test_what_is_no_arithmetic_of_values_is_refused(function, argument):
+    """None of them is compiled to one of its branches, or to bits of the wrong type."""
+    function(argument)
+    with pytest.raises((TypingError, TypeError)):
+        njit(lambda x: function(x))(argument)
