@@ -47,7 +47,6 @@ def test_every_operation_is_that_of_matrices(pair):
     assert matrix(tensors.full(tensors.left_cauchy_green(a))) == pytest.approx(A @ A.T, abs=1e-13)
     assert tensors.sym(a) == pytest.approx(s, abs=1e-15)
     assert np.array_equal(matrix(tensors.full(s)), S)
-    assert tensors.spin(a) == pytest.approx(symmetric((A - A.T) / 2 if d > 1 else 0 * A)[-len(tensors.spin(a)) :], abs=1e-15)
     assert tensors.dimension(s) == d
     assert tensors.trace(s) == pytest.approx(np.trace(S), abs=1e-14)
     assert tensors.ddot(s, t) == pytest.approx(np.sum(S * T), abs=1e-13)

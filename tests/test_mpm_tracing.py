@@ -10,6 +10,7 @@ from numba import njit
 from numba.core.errors import TypingError
 
 from mpmverify.solvers.mpm.lanes import floor, lanes, lanes_of, largest, least, positive, total, whole
+from mpmverify.solvers.mpm.memory import rows
 from mpmverify.solvers.mpm.tracing import traced
 from mpmverify.solvers.mpm.values import COUNT, Four, each, where
 
@@ -124,11 +125,59 @@ def writing(x):
     return 0.0
 
 
+@traced
+def writing_four(x):
+    x[Four(0)] = 1.0
+
+
+@traced
+def reading_rows(x):
+    return rows(x, (0, 1, 2, 3), 0, (0.0, 0.0))
+
+
+@traced
+def adding_truths(x):
+    return (x > 0) + (x > 1)
+
+
+@traced
+def remainder(x):
+    return x % 2
+
+
+def read_only(x):
+    x.flags.writeable = False
+    return x
+
+
 @pytest.mark.parametrize(
-    ("function", "argument"), [(branching, 1.0), (comparing, 1.0), (smallest, 1.0), (writing, np.zeros(2, dtype=np.int64))]
+    ("function", "argument"),
+    [
+        (branching, 1.0),
+        (comparing, 1.0),
+        (smallest, 1.0),
+        (adding_truths, 1.0),
+        (remainder, 1.5),
+        (writing, np.zeros(4, dtype=np.int64)),
+        (writing, read_only(np.zeros(4))),
+        (writing_four, np.zeros(4, dtype=np.int64)),
+        (writing_four, read_only(np.zeros(4))),
+        (reading_rows, np.zeros((4, 2), dtype=np.int64)),
+    ],
 )
 def test_what_is_no_arithmetic_of_values_is_refused(function, argument):
     """None of them is compiled to one of its branches, or to bits of the wrong type."""
-    function(argument)
     with pytest.raises((TypingError, TypeError)):
         njit(lambda x: function(x))(argument)
+
+
+@traced
+def ends_of(x):
+    x[-1] = x[0] + 1
+    return x[-1], x[-2]
+
+
+def test_a_number_of_python_counts_from_the_end():
+    x = np.arange(3.0)
+    assert njit(lambda x: ends_of(x))(x) == (1.0, 1.0)
+    assert np.array_equal(x, [0.0, 1.0, 1.0])

@@ -100,7 +100,7 @@ MATERIAL_POINT = (
     ),
     _fault(
         MPM,
-        "second Piola-Kirchhoff stress for the first",
+        "second Piola-Kirchhoff stress for the first, in one dimension",
         (TENSORS, "full(sigma), cofactor(F)", "full(sigma), tuple(c / F[0] for c in cofactor(F))"),
     ),
     _fault(MPM, "lambda and mu swapped", (LAW, CONSTANTS, SWAPPED)),

@@ -156,16 +156,17 @@ def boundary(source: Source, node: ast.AST) -> Iterator[Patch]:
     if isinstance(node, ast.If) and not source.is_elif(node) and names(node.test) & END_WORDS:
         yield source.replaced(node, "pass")
     elif isinstance(node, ast.For):
-        tables = {entry.attr for entry in ast.walk(node.iter) if isinstance(entry, ast.Attribute)} & END_WORDS
+        tables = _attributes(node.iter) & END_WORDS
         if names(node.target) & END_WORDS or tables:
             yield source.replaced(node, "pass")
         if source.text(node.iter) == "range(2)" and names(node.target) & END_WORDS:
             yield source.replaced(node.iter, "range(1)")
         elif tables and isinstance(node.iter, ast.Call):
             yield source.replaced(node.iter, f"range(min(1, {source.text(node.iter.args[0])}))")
-    elif isinstance(node, ast.With) and isinstance(each := node.items[0].context_expr, ast.Call) and names(each) & END_WORDS:
+    elif isinstance(node, ast.With) and _attributes(node.items[0].context_expr) & END_WORDS:
         yield source.replaced(node, "pass")
-        yield source.replaced(each.args[0], "1")
+        if isinstance(each := node.items[0].context_expr, ast.Call):
+            yield source.replaced(each.args[0], "1")
 
 
 RULES: Mapping[str, Rule] = {
@@ -190,6 +191,10 @@ def _integer(node: ast.AST) -> int | None:
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and (number := _integer(node.operand)) is not None:
         return -number
     return node.value if isinstance(node, ast.Constant) and type(node.value) is int else None
+
+
+def _attributes(node: ast.AST) -> set[str]:
+    return {entry.attr for entry in ast.walk(node) if isinstance(entry, ast.Attribute)}
 
 
 def _elements(node: ast.Assign) -> bool:

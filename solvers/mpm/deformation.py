@@ -20,9 +20,9 @@ from .vectors import Vector, axpy, columns, constant, null
 @traced
 def force_columns(scheme: Scheme, V0, sigma: Symmetric, F: Tensor, like: Vector):
     """-V sigma by columns, or -V0 P in the total Lagrangian formulation."""
-    stress = where(scheme.total, reference_stress(scheme.law, sigma, F), full(sigma))
+    T = where(scheme.total, reference_stress(scheme.law, sigma, F), full(sigma))
     V = where(scheme.total, V0, V0 * det(F))
-    return columns(stress, constant(-V, like))
+    return columns(T, constant(-V, like))
 
 
 @jit

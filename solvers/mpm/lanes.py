@@ -16,7 +16,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import lower_builtin
 
 from .tracing import traced
-from .values import COUNT, DOUBLE, LANES, VECTOR, WHOLE, Lanes, Value, shuffled, splat, where
+from .values import COUNT, DOUBLE, LANES, VECTOR, WHOLE, Lanes, Value, real, shuffled, splat, where
 
 # What is a number or lanes has no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -54,7 +54,7 @@ def built(items):
 
 
 def taken(value, count=1):
-    """Numbers of the particles of a value; one for all of them is that of as many."""
+    """Numbers of the particles of a value; a number that all share is repeated."""
     if not isinstance(value, Value) or value.code.type == DOUBLE:
         return [value] * count
     return [Value(value.builder, value.builder.extract_element(value.code, cgutils.int32_t(k))) for k in range(COUNT)]
@@ -68,6 +68,7 @@ def floor(value):
     """The whole number below a value."""
     if not isinstance(value, Value):
         return float(below(value))
+    value = real(value)
     kind, code = value.code.type, value.builder
     name = "llvm.floor.f64" if kind == DOUBLE else f"llvm.floor.v{COUNT}f64"
     function = cgutils.get_or_insert_function(code.module, ir.FunctionType(kind, [kind]), name)
@@ -80,7 +81,6 @@ def whole(value):
     return Value(value.builder, value.builder.fptosi(value.code, WHOLE)) if isinstance(value, Value) else int(value)
 
 
-@traced
 def all_of(truths):
     """Whether all of some truths hold for all particles."""
     holds = reduce(operator.and_, truths)

@@ -34,23 +34,24 @@ def store(array, index, values):
 def rows(array, numbers, column, like):
     """As many columns as `like` has, from one on, of the rows of some numbers, one or four: a tuple of values."""
     starts, paired = [array.address(n, column) for n in numbers], len(like) // 2 * 2 if len(numbers) == COUNT else 0
-    pairs = [value for k in range(0, paired, 2) for value in _loaded_pair(array.builder, starts, k)]
+    pairs = [value for k in range(0, paired, 2) for value in _loaded_pair(array, starts, k)]
     return (*pairs, *(built([array.load(start, k) for start in starts]) for k in range(paired, len(like))))
 
 
-def _loaded_pair(builder: ir.IRBuilder, starts: list[ir.Value], k: int) -> list[Value]:
+def _loaded_pair(array: Memory, starts: list[ir.Value], k: int) -> list[Value]:
     """Two columns of four rows from the k-th on: two loads and a shuffle for each, where numbers one by one take three shuffles."""
-    a, b, c, d = (builder.load(builder.bitcast(beyond(builder, start, k), PAIR.as_pointer()), align=8) for start in starts)
+    builder = array.builder
+    a, b, c, d = (array.together(beyond(builder, start, k), PAIR) for start in starts)
     even, odd = shuffled(builder, a, c, [0, 1, 2, 3]), shuffled(builder, b, d, [0, 1, 2, 3])
     return [Value(builder, shuffled(builder, even, odd, lanes)) for lanes in ([0, 4, 2, 6], [1, 5, 3, 7])]
 
 
-def _store_pair(builder: ir.IRBuilder, starts: list[ir.Value], k: int, x: ir.Value, y: ir.Value) -> None:
+def _store_pair(array: Memory, starts: list[ir.Value], k: int, x: ir.Value, y: ir.Value) -> None:
     """Write two columns of four rows from the k-th on, the first row last."""
+    builder = array.builder
     even, odd = shuffled(builder, x, y, [0, 4, 2, 6]), shuffled(builder, x, y, [1, 5, 3, 7])
     for start, of_two, lanes in zip(starts[::-1], (odd, even, odd, even), ([2, 3], [2, 3], [0, 1], [0, 1]), strict=True):
-        place = builder.bitcast(beyond(builder, start, k), PAIR.as_pointer())
-        builder.store(shuffled(builder, of_two, of_two, lanes), place, align=8)
+        array.store_together(beyond(builder, start, k), shuffled(builder, of_two, of_two, lanes))
 
 
 @traced
@@ -62,7 +63,7 @@ def store_rows(array, numbers, column, values):
     starts, paired = [array.address(n, column) for n in numbers], len(values) // 2 * 2 if len(numbers) == COUNT else 0
     for k in range(0, paired, 2):
         x, y = (code_of(array.builder, value, VECTOR) for value in values[k : k + 2])
-        _store_pair(array.builder, starts, k, x, y)
+        _store_pair(array, starts, k, x, y)
     for k in range(paired, len(values)):
         for start, number in zip(starts[::-1], taken(values[k], len(starts))[::-1], strict=True):
             array.store(start, k, number)
@@ -158,9 +159,9 @@ def _add(starts: list[ir.Value], values: list[Value], builder: ir.IRBuilder, wid
         zeros = [ir.Constant(VECTOR, [0.0] * COUNT)] * (COUNT - width * together)
         sums = _added_up(builder, [value.code for value in values[k * width : (k + together) * width]] + zeros)
         for j, start in enumerate(starts[k : k + together]):
-            total = shuffled(builder, sums, sums, [2 * j, 2 * j + 1]) if width == 2 else sums
-            place = builder.bitcast(start, total.type.as_pointer())
-            builder.store(builder.fadd(builder.load(place, align=8), total), place, align=8)
+            added = shuffled(builder, sums, sums, [2 * j, 2 * j + 1]) if width == 2 else sums
+            place = builder.bitcast(start, added.type.as_pointer())
+            builder.store(builder.fadd(builder.load(place, align=8), added), place, align=8)
 
 
 def _added_up(builder, values: list[ir.Value]) -> ir.Value:

@@ -53,8 +53,8 @@ def place(scheme: Scheme, grid: Grid, particles: Particles, p: int) -> Vector:
 @traced
 def back(grid: Grid, k: int, s: float) -> float:
     """A distance from the lower end of axis k in cells, between its ends if they are joined."""
-    inside = (s >= 0.0) & (s < grid.cells[k])
-    return where(grid.periodic[k], where(inside, s, s - grid.cells[k] * floor(s / grid.cells[k])), s)
+    there = (s >= 0.0) & (s < grid.cells[k])
+    return where(grid.periodic[k], where(there, s, s - grid.cells[k] * floor(s / grid.cells[k])), s)
 
 
 @traced

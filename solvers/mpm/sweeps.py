@@ -109,6 +109,7 @@ one_pass: Any = None
 
 
 def name_of(one: Any) -> str:
+    """Name of a function, compiled or traced."""
     return str(getattr(one, "py_func", one).__name__)
 
 

@@ -66,13 +66,6 @@ def sym(L: Tensor) -> Symmetric:
 
 
 @traced
-def spin(L: Tensor) -> tuple[float, ...]:
-    """(L - L^T)/2 of a velocity gradient: its component xy in two dimensions, xy, yz and zx in three, 0 in one."""
-    d = DIMENSION[len(L)]
-    return tuple(0.5 * (L[d * i + j] - L[d * j + i]) for i, j in SYMMETRIC[d][d:]) or (0.0,)
-
-
-@traced
 def full(A: Symmetric) -> Tensor:
     """All components of a symmetric tensor."""
     d, place = dimension(A), {frozenset(ij): k for k, ij in enumerate(PLACES[len(A)])}

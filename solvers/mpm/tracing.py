@@ -2,7 +2,7 @@
 
 Python runs a traced function once for each call of it that is compiled: what it asks of lengths, and its loops over them, are known by then
 and make no code. Such a function has no branches on values, see `where` and `each` of `values`. To numba it is one instruction, where it
-would take a tenth of a second for a function of its own. On numbers of Python it is what it says.
+would take a tenth of a second for a function of its own. Where there are neither arrays nor lanes it is what it says to Python, too.
 """
 
 from collections.abc import Callable
@@ -56,7 +56,7 @@ def unwrapped(context: Any, builder: ir.IRBuilder, kind: Any, found: Any) -> ir.
 
 
 def traced(function: F) -> F:
-    """Compile calls of a function by calling it; it may be called by compiled and by other traced functions, and by Python."""
+    """Compile calls of a function by calling it; compiled functions call it, and other traced ones, and Python."""
     known: dict[tuple[types.Type, ...], types.Type] = {}
 
     def returned(args: tuple[types.Type, ...]) -> types.Type:

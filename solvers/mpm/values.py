@@ -46,6 +46,8 @@ class Value:
 
     def _operated(self, instruction: str, x: Any, y: Any) -> "Value":
         a, b = alike(self.builder, x, y)
+        if a.type == TRUTH:
+            raise TypeError("truths are no numbers")
         write = getattr(self.builder, instruction if a.type == WHOLE else f"f{instruction}")
         return Value(self.builder, write(a, b))
 
@@ -74,7 +76,10 @@ class Value:
 
     def __mod__(self, y: int) -> "Value":
         """Remainder of a whole number that is not negative."""
-        return Value(self.builder, self.builder.urem(*alike(self.builder, self, y)))
+        a, b = alike(self.builder, self, y)
+        if a.type != WHOLE:
+            raise TypeError("only whole numbers have a remainder")
+        return Value(self.builder, self.builder.urem(a, b))
 
     def __truediv__(self, y: Any) -> "Value":
         return self._operated("div", real(self), y)
@@ -127,7 +132,7 @@ class Four:
 
 
 class Memory:
-    """An array of compiled code; no index counts from the end, which would cost a test."""
+    """An array of compiled code; only a number of Python as an index may count from the end, which costs no test."""
 
     def __init__(self, context: Any, builder: ir.IRBuilder, kind: types.Array, code: ir.Value) -> None:
         self.context, self.builder, self.kind, self.code = context, builder, kind, code
@@ -141,23 +146,24 @@ class Memory:
         """Address of what is stored from an index on."""
         struct = make_array(self.kind)(self.context, self.builder, self.code)
         shape, strides = (cgutils.unpack_tuple(self.builder, part) for part in (struct.shape, struct.strides))
-        at = [code_of(self.builder, k, WHOLE) for k in index]
+        from_end = [
+            Value(self.builder, n) + k if isinstance(k, int) and k < 0 else k for k, n in zip(index, shape, strict=False)
+        ]
+        at = [code_of(self.builder, k, WHOLE) for k in from_end]
         return cgutils.get_item_pointer2(self.context, self.builder, struct.data, shape, strides, "C", at)
 
     def __getitem__(self, index: Any) -> Value:
-        index = index if isinstance(index, tuple) else (index,)
-        if not isinstance(index[-1], Four):
-            return self.load(self.address(*index), 0)
-        place = self.address(*index[:-1], index[-1].first)
-        return Value(self.builder, self.builder.load(self.builder.bitcast(place, VECTOR.as_pointer()), align=8))
+        *before, last = index if isinstance(index, tuple) else (index,)
+        if isinstance(last, Four):
+            return Value(self.builder, self.together(self.address(*before, last.first), VECTOR))
+        return self.load(self.address(*before, last), 0)
 
     def __setitem__(self, index: Any, x: Any) -> None:
-        index = index if isinstance(index, tuple) else (index,)
-        if not isinstance(index[-1], Four):
-            self.store(self.address(*index), 0, x)
+        *before, last = index if isinstance(index, tuple) else (index,)
+        if isinstance(last, Four):
+            self.store_together(self.address(*before, last.first), code_of(self.builder, x, VECTOR))
         else:
-            place = self.builder.bitcast(self.address(*index[:-1], index[-1].first), VECTOR.as_pointer())
-            self.builder.store(code_of(self.builder, x, VECTOR), place, align=8)
+            self.store(self.address(*before, last), 0, x)
 
     def load(self, address: ir.Value, k: int) -> Value:
         """The k-th number from an address on."""
@@ -165,16 +171,23 @@ class Memory:
         return Value(self.builder, loaded(self.context, self.builder, self.kind.dtype, found))
 
     def store(self, address: ir.Value, k: int, x: Any) -> None:
-        """Write a double as the k-th from an address on.
-
-        Raises
-        ------
-        TypeError
-            If the array is not one of doubles.
-        """
-        if self.kind.dtype != types.float64:
-            raise TypeError(f"{self.kind} is not written to")
+        """Write a double as the k-th from an address on; TypeError unless it may be."""
+        self._of_doubles(written=True)
         self.builder.store(code_of(self.builder, x, DOUBLE), beyond(self.builder, address, k))
+
+    def together(self, address: ir.Value, kind: ir.VectorType) -> ir.Value:
+        """The doubles from an address on, as many as fill a vector; TypeError where there are none."""
+        self._of_doubles(written=False)
+        return self.builder.load(self.builder.bitcast(address, kind.as_pointer()), align=8)
+
+    def store_together(self, address: ir.Value, vector: ir.Value) -> None:
+        """Write doubles from an address on; TypeError unless they may be."""
+        self._of_doubles(written=True)
+        self.builder.store(vector, self.builder.bitcast(address, vector.type.as_pointer()), align=8)
+
+    def _of_doubles(self, *, written: bool) -> None:
+        if self.kind.dtype != types.float64 or (written and not self.kind.mutable):
+            raise TypeError(f"{self.kind} is no array of doubles{' that is written to' if written else ''}")
 
 
 def loaded(context: Any, builder: ir.IRBuilder, kind: types.Type, code: ir.Value) -> ir.Value:
@@ -228,13 +241,15 @@ def real(x: Any) -> Any:
     return Value(x.builder, code_of(x.builder, x, DOUBLE)) if isinstance(x, Value) and x.code.type == WHOLE else x
 
 
-def where(condition: Any, a: Any, b: Any) -> Any:
-    """The first where a condition holds, else the second: numbers, values, or tuples of these, of which both are computed."""
-    if not isinstance(condition, Value):
-        return a if condition else b
+def where(truth: Any, a: Any, b: Any) -> Any:
+    """The first where something is true, else the second: numbers, values, or tuples of these, of which both are computed."""
+    if not isinstance(truth, Value):
+        return a if truth else b
     if isinstance(a, tuple):
-        return tuple(where(condition, x, y) for x, y in zip(a, b, strict=True))
+        return tuple(where(truth, x, y) for x, y in zip(a, b, strict=True))
     if a is b:
         return a
-    x, y = alike(condition.builder, a, b)
-    return Value(condition.builder, condition.builder.select(condition.code, x, y))
+    x, y = alike(truth.builder, a, b)
+    if isinstance(truth.code.type, ir.VectorType):
+        x, y = (code_of(truth.builder, Value(truth.builder, code), VECTOR) for code in (x, y))
+    return Value(truth.builder, truth.builder.select(truth.code, x, y))
