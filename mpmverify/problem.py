@@ -23,12 +23,14 @@ from mpmverify.boundary import (
 from mpmverify.errors import UsageError
 from mpmverify.material import LinearElastic, Material, NeoHookean, Transport
 from mpmverify.quantities import UNITS, Array, components
-from mpmverify.shapes import Disk, Ring, Shape
+from mpmverify.shapes import Block, Bodies, Disk, Ring, Shape, touching
 
 __all__ = [
     "UNITS",
     "Absorbing",
     "Array",
+    "Block",
+    "Bodies",
     "BodyForce",
     "BoundaryCondition",
     "Constant",
@@ -85,12 +87,13 @@ class Problem:
         Number of output intervals; a solver that takes fewer steps returns every step.
     shape : Shape, optional
         What the body fills of the box at first, all of it by default. Its surface is free but where it touches a face of the box.
+        Several bodies are of one material, and where a solver knows of no contact they move as one where they meet.
 
     Raises
     ------
     UsageError
         If the box is empty, a face lacks its condition, the final time is not positive and finite, there is no output interval, an
-        initial quantity is unknown, or the shape does not lie in a box of two dimensions.
+        initial quantity is unknown, or the shape does not lie in the box.
     """
 
     name: str
@@ -119,8 +122,8 @@ class Problem:
             raise UsageError(f"problem {self.name!r}: give one boundary condition for each of {', '.join(sorted(faces))}")
         if unknown := sorted(self.initial.keys() - UNITS.keys()):
             raise UsageError(f"problem {self.name!r}: the initial {unknown[0]!r} is unknown: known are {', '.join(UNITS)}")
-        if self.shape is not None and not (self.dimension == 2 and self.shape.within(self.lower, self.upper)):
-            raise UsageError(f"problem {self.name!r}: {self.shape!r} must lie in a box of two dimensions: enlarge or move it")
+        if self.shape is not None and not self.shape.within(self.lower, self.upper):
+            raise UsageError(f"problem {self.name!r}: {self.shape!r} must lie in a box of its dimension: enlarge or move it")
 
     @property
     def dimension(self) -> int:
@@ -134,6 +137,12 @@ class Problem:
     def measure(self) -> float:
         """Length, area or volume of the body at first [m^dim]."""
         return math.prod(self.lengths) if self.shape is None else self.shape.measure
+
+    def touched(self, face: str) -> list[Block]:
+        """Blocks of the body that lie against a face of the box, all of it where the body has no shape."""
+        axis = "xyz".index(face[0])
+        bodies = (Block(self.lower, self.upper),) if self.shape is None else self.shape.bodies
+        return touching(bodies, axis, (self.lower if face[1] == "-" else self.upper)[axis])
 
     def initial_field(self, quantity: str, points: Array) -> Array:
         """Initial values of a quantity at reference positions (P, dim), (P, components)."""

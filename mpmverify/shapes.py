@@ -1,5 +1,6 @@
 """Shapes of bodies that do not fill their box."""
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -35,13 +36,25 @@ class Disk:
             raise UsageError(f"a disk needs two finite coordinates of its center and a positive, finite radius: {self!r}")
 
     @property
+    def bodies(self) -> "tuple[Body, ...]":
+        return (self,)
+
+    @property
+    def inner(self) -> float:
+        return 0.0
+
+    @property
+    def outer(self) -> float:
+        return self.radius
+
+    @property
     def measure(self) -> float:
         """Area [m^2]."""
         return math.pi * self.radius**2
 
     def within(self, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
         """Whether the body lies in a box of these corners [m]; it may touch its faces."""
-        return _within(self.center, self.radius, lower, upper)
+        return _within(_around(self), lower, upper)
 
     def contains(self, X: Array) -> NDArray[np.bool_]:
         """Whether points (P, 2) [m] belong to the body, (P,)."""
@@ -78,13 +91,17 @@ class Ring:
             raise UsageError(f"a ring needs two finite coordinates of its center and radii 0 < inner < outer: {self!r}")
 
     @property
+    def bodies(self) -> "tuple[Body, ...]":
+        return (self,)
+
+    @property
     def measure(self) -> float:
         """Area [m^2]."""
         return math.pi * (self.outer - self.inner) * (self.outer + self.inner)
 
     def within(self, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
         """Whether the body lies in a box of these corners [m]; it may touch its faces."""
-        return _within(self.center, self.outer, lower, upper)
+        return _within(_around(self), lower, upper)
 
     def contains(self, X: Array) -> NDArray[np.bool_]:
         """Whether points (P, 2) [m] belong to the body, (P,)."""
@@ -98,15 +115,141 @@ class Ring:
         return _parts(self.center, outer - inner, of_outer - of_inner)
 
 
-Shape = Disk | Ring
+@dataclass(frozen=True)
+class Block:
+    """What lies between two corners, in one dimension to three.
+
+    Parameters
+    ----------
+    lower, upper : tuple of float
+        Corners [m].
+
+    Raises
+    ------
+    UsageError
+        If the corners are not finite and of as many coordinates, one to three, the upper ones above the lower ones.
+    """
+
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        ends = [*self.lower, *self.upper]
+        finite = 1 <= len(self.lower) == len(self.upper) <= 3 and all(math.isfinite(x) for x in ends)
+        if not (finite and all(lo < hi for lo, hi in zip(self.lower, self.upper, strict=True))):
+            raise UsageError(
+                f"a block needs two corners of one to three finite coordinates, the upper above the lower: {self!r}"
+            )
+
+    @property
+    def bodies(self) -> "tuple[Body, ...]":
+        return (self,)
+
+    @property
+    def measure(self) -> float:
+        """Length, area or volume [m^d]."""
+        return math.prod(hi - lo for lo, hi in zip(self.lower, self.upper, strict=True))
+
+    def within(self, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
+        """Whether the body lies in a box of these corners [m]; it may touch its faces."""
+        return _within(self, lower, upper)
+
+    def contains(self, X: Array) -> NDArray[np.bool_]:
+        """Whether points (P, d) [m] belong to the body, (P,)."""
+        return np.asarray(((np.array(self.lower) <= X) & (np.array(self.upper) >= X)).all(axis=1))
+
+    def parts(self, lower: Array, upper: Array) -> tuple[Array, Array]:
+        """Measures (B,) [m^d] and centroids (B, d) [m] of what lies in boxes of these corners (B, d) [m]."""
+        low, high = np.maximum(lower, self.lower), np.minimum(upper, self.upper)
+        measure = np.maximum(high - low, 0).prod(axis=1)
+        return measure, (low + high) / 2
+
+
+Body = Disk | Ring | Block
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Several bodies, which may touch each other but not overlap.
+
+    Parameters
+    ----------
+    bodies : tuple of Disk, Ring or Block
+        Of one dimension.
+
+    Raises
+    ------
+    UsageError
+        If there is none, they are of different dimensions, or two overlap.
+    """
+
+    bodies: tuple[Body, ...]
+
+    def __post_init__(self) -> None:
+        if not self.bodies or len({len(_around(body).lower) for body in self.bodies}) > 1:
+            raise UsageError(f"several bodies are one at least, all of one dimension: {self!r}")
+        for one, other in itertools.combinations(self.bodies, 2):
+            if not _apart(one, other):
+                raise UsageError(f"bodies may touch but not overlap: move {one!r} away from {other!r}")
+
+    @property
+    def measure(self) -> float:
+        """Length, area or volume of all [m^d]."""
+        return math.fsum(body.measure for body in self.bodies)
+
+    def within(self, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
+        """Whether all bodies lie in a box of these corners [m]; they may touch its faces."""
+        return all(body.within(lower, upper) for body in self.bodies)
+
+    def contains(self, X: Array) -> NDArray[np.bool_]:
+        """Whether points (P, d) [m] belong to a body, (P,)."""
+        return np.asarray(np.stack([body.contains(X) for body in self.bodies]).any(axis=0))
+
+
+Shape = Body | Bodies
+
+
+def _around(body: Body) -> Block:
+    """The block that a body touches with all sides."""
+    if isinstance(body, Block):
+        return body
+    (x, y), r = body.center, body.outer
+    return Block((x - r, y - r), (x + r, y + r))
+
+
+def touching(bodies: tuple[Body, ...], axis: int, end: float) -> list[Block]:
+    """Blocks that have a side across an axis at its end [m], to round-off; circles touch it in no more than a point."""
+    blocks = [body for body in bodies if isinstance(body, Block)]
+    return [
+        block for block in blocks if any(math.isclose(side[axis], end, abs_tol=1e-14) for side in (block.lower, block.upper))
+    ]
+
+
+def _apart(one: Body, other: Body) -> bool:
+    """Whether two bodies have no more in common than points of their surfaces."""
+    if isinstance(one, Block) and isinstance(other, Block):
+        ends = zip(one.lower, one.upper, other.lower, other.upper, strict=True)
+        return any(b <= c or d <= a for a, b, c, d in ends)
+    if isinstance(one, Block):
+        return _apart(other, one)
+    if isinstance(other, Block):
+        corners = np.abs(np.array([other.lower, other.upper]) - one.center)
+        nearest = np.maximum(np.maximum(np.array(other.lower) - one.center, one.center - np.array(other.upper)), 0)
+        return math.hypot(*nearest) >= one.outer or math.hypot(*corners.max(axis=0)) <= one.inner
+    distance = math.dist(one.center, other.center)
+    nested = distance + other.outer <= one.inner or distance + one.outer <= other.inner
+    return nested or distance >= one.outer + other.outer
 
 
 def _in_plane(center: tuple[float, ...]) -> bool:
     return len(center) == 2 and all(math.isfinite(x) for x in center)
 
 
-def _within(center: tuple[float, ...], reach: float, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
-    return all(lo <= x - reach and x + reach <= hi for lo, x, hi in zip(lower, center, upper, strict=True))
+def _within(block: Block, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
+    """Whether a block lies in a box of these corners, which has its dimension."""
+    if len(block.lower) != len(lower):
+        return False
+    return all(lo <= a and b <= hi for lo, a, b, hi in zip(lower, block.lower, block.upper, upper, strict=True))
 
 
 def _distance(X: Array, center: tuple[float, float]) -> Array:

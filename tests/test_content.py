@@ -23,7 +23,7 @@ from mpmverify.errors import UsageError
 from mpmverify.evaluation import run_key
 from mpmverify.exact.advection import Gaussian, PeriodicImages, advection
 from mpmverify.exact.ring import expanding_ring
-from mpmverify.problem import Discretisation, Disk, Inflow, Outflow, Ring, Transport
+from mpmverify.problem import Block, Bodies, Discretisation, Disk, Inflow, Outflow, Ring, Transport
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 
 PROBLEM = advection(Gaussian())
@@ -68,7 +68,9 @@ def test_no_field_of_the_problem_is_left_out_above():
 
 def test_the_shape_of_the_body_changes_the_key():
     ring = expanding_ring()
-    shapes = (ring.problem.shape, None, Ring((0.0, 0.0), 0.4, 0.7), Ring((0.1, 0.0), 0.4, 0.6), Disk((0.0, 0.0), 0.6))
+    disk, block = Disk((0.0, 0.0), 0.6), Block((-0.6, -0.6), (-0.5, 0.0))
+    shapes = (ring.problem.shape, None, Ring((0.0, 0.0), 0.4, 0.7), Ring((0.1, 0.0), 0.4, 0.6), disk, block)
+    shapes = (*shapes, Bodies((Disk((0.0, 0.0), 0.4), block)), Bodies((disk,)))
     others = [dataclasses.replace(ring, problem=dataclasses.replace(ring.problem, shape=shape)) for shape in shapes]
     assert len({run_key(other, TaylorGalerkin(), LEVEL) for other in others}) == len(shapes)
 

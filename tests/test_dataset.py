@@ -42,8 +42,11 @@ from mpmverify.exact.advection import Gaussian, advection
 from mpmverify.problem import (
     UNITS,
     Absorbing,
+    Block,
+    Bodies,
     Constant,
     Discretisation,
+    Disk,
     Inflow,
     NeoHookean,
     Problem,
@@ -469,6 +472,9 @@ def test_a_problem_is_stated_in_a_few_words():
         "face y+": "traction 2e-06 Pa",
     }
     assert list(statement(box))[4:] == ["face x-", "face x+", "face y-", "face y+"]
+    two = Bodies((Disk((0.5, 0.0), 0.25), Block((1.0, 0.0), (2.0, 1.0))))
+    said = "disk, center = (0.5, 0.0), radius = 0.25 and block, lower = (1.0, 0.0), upper = (2.0, 1.0)"
+    assert statement(dataclasses.replace(box, shape=two))["body"] == said
     faces = {"x-": Inflow(Constant(1.0)), "x+": Inflow(Opaque())}
     carried = statement(Problem("p", (0.0,), (1.0,), Transport(-1.0), faces, end_time=1.0))
     assert carried["material"] == "transport, a = -1 m/s"

@@ -11,6 +11,7 @@ from mpmverify.errors import UsageError
 from mpmverify.problem import (
     Absorbing,
     Array,
+    Block,
     Constant,
     Discretisation,
     LinearElastic,
@@ -404,6 +405,7 @@ def test_unknown_choices(choice: dict, message: str) -> None:
     ("solver", "problem", "message"),
     [
         (P1, Problem("2D", (0.0, 0.0), (1.0, 1.0), BAR, SQUARE, 1.0), "one dimension"),
+        (P1, Problem("part", (0.0,), (1.0,), BAR, FREE, 1.0, shape=Block((0.0,), (0.5,))), "from end to end"),
         (P1, Problem("carried", (0.0,), (1.0,), Transport(1.0), FREE, 1.0), "neo-Hookean bar"),
         (FiniteElement(1, "lumped", "newmark"), Problem("large", (0.0,), (1.0,), NEO, FREE, 1.0), "linear elastic bar"),
         (P2, Problem("open", (0.0,), (1.0,), BAR, {"x-": Absorbing(), "x+": Traction()}, 1.0), "fixed or driven end"),

@@ -12,7 +12,19 @@ from mpmverify.convergence.judging import verdict
 from mpmverify.errors import UsageError
 from mpmverify.exact.ring import expanding_ring
 from mpmverify.norms import NORMS, errors
-from mpmverify.problem import Constant, Discretisation, Disk, Fixed, NeoHookean, Problem, Ring, Traction
+from mpmverify.problem import (
+    Block,
+    Bodies,
+    Constant,
+    Discretisation,
+    Disk,
+    Fixed,
+    NeoHookean,
+    Problem,
+    Ring,
+    Traction,
+    Velocity,
+)
 from mpmverify.solvers.mpm import APIC, FLIP, GAUSS, REGULAR, Layout, MaterialPoint, fmpm, offset
 from mpmverify.solvers.mpm.layout import SLIVER, place_particles
 from mpmverify.verdict import Verdict
@@ -97,6 +109,56 @@ def test_parts_agree_with_the_chords(shape, corners):
     inside = chord(shape.outer) - chord(shape.inner) if isinstance(shape, Ring) else chord(shape.radius)
     area, _ = shape.parts(np.array([[x0, y0]]), np.array([[x1, y1]]))
     assert area[0] == pytest.approx(inside.mean() * (x1 - x0), abs=1e-6)
+
+
+@given(st.integers(1, 3), st.integers(1, 12), st.data())
+def test_parts_of_a_block_are_those_of_the_boxes_that_it_covers(dimension, n, data):
+    ends = [sorted(data.draw(st.lists(st.floats(-1, 1), min_size=2, max_size=2, unique=True))) for _ in range(dimension)]
+    block = Block(tuple(a for a, _ in ends), tuple(b for _, b in ends))
+    side = np.linspace(-1, 1, n + 1)
+    lower, upper = (
+        np.stack([x.ravel() for x in np.meshgrid(*[corner] * dimension)], axis=1) for corner in (side[:-1], side[1:])
+    )
+    measure, centroid = block.parts(lower, upper)
+    middle = (np.array(block.lower) + block.upper) / 2
+    assert measure.sum() == pytest.approx(block.measure, rel=1e-12, abs=1e-300)
+    assert measure @ centroid == pytest.approx(block.measure * middle, abs=1e-13)
+    there = measure > 0
+    assert ((lower <= centroid) & (centroid <= upper))[there].all()
+    assert block.contains(centroid[there]).all()
+
+
+DISK, RING = Disk((0.0, 0.0), 0.25), Ring((0.0, 0.0), 0.5, 0.75)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "apart"),
+    [
+        (DISK, Disk((0.5, 0.0), 0.25), True),
+        (DISK, Disk((0.49, 0.0), 0.25), False),
+        (DISK, Disk((0.0, 0.0), 0.1), False),
+        (DISK, RING, True),
+        (RING, Disk((0.3, 0.0), 0.25), False),
+        (RING, Ring((0.1, 0.0), 0.2, 0.4), True),
+        (DISK, Block((0.25, -0.5), (0.5, 0.5)), True),
+        (DISK, Block((0.24, -0.5), (0.5, 0.5)), False),
+        (DISK, Block((0.2, 0.2), (0.5, 0.5)), True),
+        (DISK, Block((-1.0, -1.0), (1.0, 1.0)), False),
+        (RING, Block((-0.3, -0.4), (0.3, 0.4)), True),
+        (RING, Block((-0.3, -0.4), (0.3, 0.41)), False),
+        (Block((0.0,), (0.5,)), Block((0.5,), (1.0,)), True),
+        (Block((0.0,), (0.5,)), Block((0.4,), (1.0,)), False),
+        (Block((0.0,) * 3, (1.0,) * 3), Block((0.0, 1.0, 0.0), (1.0, 2.0, 1.0)), True),
+        (Block((0.0,) * 3, (1.0,) * 3), Block((0.5,) * 3, (2.0,) * 3), False),
+    ],
+)
+def test_several_bodies_may_touch_but_not_overlap(one, other, apart):
+    for bodies in ((one, other), (other, one)):
+        if apart:
+            assert Bodies(bodies).measure == pytest.approx(one.measure + other.measure, rel=1e-15)
+        else:
+            with pytest.raises(UsageError, match="may touch but not overlap"):
+                Bodies(bodies)
 
 
 # Particles.
@@ -219,6 +281,95 @@ def test_nodes_that_no_particle_reaches_may_be_held():
     assert np.array_equal(free.position, held.position)
 
 
+# Tractions on a part of a face.
+
+
+@pytest.mark.parametrize("basis", ["linear", "cubic", "cpdi"])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_traction_loads_what_of_a_face_the_bodies_touch(dimension, basis):
+    """Two blocks side by side, neither of whose edges need lie on a line of nodes: impulse is load, area and time."""
+    rest, names = (0.8,) * (dimension - 2), [axis + side for axis in "xyz"[:dimension] for side in "-+"]
+    blocks = (
+        Block((0.3, 0.125, *(0.1 for _ in rest)), (1.0, 0.4, *rest)),
+        Block((0.5, 0.6, *(0.2 for _ in rest)), (1.0, 0.8, *rest)),
+    )
+    area = 0.275 * 0.7 ** (dimension - 2) + 0.2 * 0.6 ** (dimension - 2)
+    faces = dict.fromkeys(names, Traction()) | {"x+": Traction(Constant(-1e-3))}
+    problem = Problem("loaded", (0.0,) * dimension, (1.0,) * dimension, MATERIAL, faces, 0.2, shape=Bodies(blocks))
+    solution = MaterialPoint("MUSL", FLIP, basis).solve(problem, Discretisation(0.125, 0.3, 2))
+    assert solution.outcome.completed, str(solution.outcome)
+    time, impulse = solution.histories["time"], solution.histories["impulse_x"]
+    assert impulse == pytest.approx(-1e-3 * area * time, abs=1e-15)
+    assert solution.histories["momentum_x"] == pytest.approx(impulse, abs=1e-15)
+
+
+@pytest.mark.parametrize("formulation", ["updated", "total"])
+def test_a_loaded_block_within_its_box_is_a_bar(formulation):
+    """Without lateral strain, and with its sides on lines of nodes, it knows nothing of the empty cells beside it."""
+    slender, load = NeoHookean(1.0, 1.0, 0.0), Traction(Constant(0.05))
+    bar = Problem("bar", (0.0,), (1.0,), slender, {"x-": Velocity(), "x+": load}, 0.7, outputs=4)
+    faces = {"x-": Velocity(), "x+": load, "y-": Traction(), "y+": Traction()}
+    block = Problem("block", (0.0, 0.0), (1.0, 1.0), slender, faces, 0.7, outputs=4, shape=Block((0.0, 0.25), (1.0, 0.625)))
+    solver, at = MaterialPoint("MUSL", FLIP, "linear", formulation), Discretisation(0.125, 0.3, 2)
+    one, two = (solver.solve(problem, at) for problem in (bar, block))
+    along = np.searchsorted(one.reference[:, 0], two.reference[:, 0] - 1e-9)
+    for name, values in one.fields.items():
+        assert two.fields[name][:, :, :1] == pytest.approx(values[:, along], abs=1e-14)
+
+
+# Several bodies.
+
+
+@pytest.mark.parametrize("formulation", ["updated", "total"])
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+def test_bodies_that_touch_move_as_one(dimension, formulation):
+    """In halves of the box, whose particles are those of the whole."""
+    lower, upper = (-1.0,) * dimension, (1.0,) * dimension
+    faces = {axis + side: Traction() for axis in "xyz"[:dimension] for side in "-+"}
+    whole = Problem("whole", lower, upper, MATERIAL, faces, 0.4, {"velocity": lambda X: 0.1 * np.sin(X)}, outputs=4)
+    halves = replace(whole, shape=Bodies((Block(lower, (0.0, *upper[1:])), Block((0.0, *lower[1:]), upper))))
+    solver, at = MaterialPoint("USL", APIC, "quadratic", formulation), Discretisation(0.25, 0.3, 2)
+    one, two = (solver.solve(problem, at) for problem in (whole, halves))
+    order = np.lexsort(two.reference.T)
+    assert two.reference[order] == pytest.approx(one.reference[np.lexsort(one.reference.T)], abs=1e-15)
+    for name, values in one.fields.items():
+        assert two.fields[name][:, order] == pytest.approx(values[:, np.lexsort(one.reference.T)], abs=1e-13)
+
+
+def flying(X):
+    """Bodies left and right of the middle towards each other."""
+    return np.where(X[:, :1] < 0, [0.2, 0.05], [-0.2, 0.05])
+
+
+def test_bodies_that_share_no_node_know_nothing_of_each_other():
+    one, other = Disk((-0.5, 0.1), 0.3), Ring((0.5, -0.1), 0.1, 0.35)
+    solver, at = MaterialPoint("USL", APIC, "quadratic"), Discretisation(1 / 16, 0.3, 2)
+    both, *alone = (solver.solve(body(shape), at) for shape in (Bodies((one, other)), one, other))
+    count = len(alone[0].reference)
+    for part, solution in zip((slice(count), slice(count, None)), alone, strict=True):
+        assert np.array_equal(both.reference[part], solution.reference)
+        for name, values in solution.fields.items():
+            assert both.fields[name][:, part] == pytest.approx(values, abs=1e-14 * np.abs(values).max())
+
+
+@pytest.mark.parametrize("transfer", [FLIP, APIC], ids=lambda transfer: transfer.name)
+def test_disks_that_collide_exchange_momentum_and_keep_its_sum(transfer):
+    """Alike and face to face they are mirror images all the time; each has turned round along x, and flies on along y."""
+    disks = Bodies((Disk((-0.375, 0.0), 0.25), Disk((0.375, 0.0), 0.25)))
+    problem = replace(body(disks), initial={"velocity": flying}, end_time=3.0, outputs=12)
+    solver, at = MaterialPoint("MUSL", transfer, "quadratic"), Discretisation(1 / 16, 0.3, 2)
+    solution = solver.solve(problem, at)
+    assert solution.outcome.completed, str(solution.outcome)
+    left = solution.reference[:, 0] < 0
+    mass, v = MATERIAL.density * solution.weight[0], solution.fields["velocity"]
+    momentum = [np.einsum("p,tpk->tk", mass[side], v[:, side]) for side in (left, ~left)]
+    scale = np.abs(momentum[0]).max()
+    assert momentum[0] + momentum[1] == pytest.approx(np.array([[0.0, 2 * momentum[0][0, 1]]] * 13), abs=1e-12 * scale)
+    assert momentum[0][:, 1] == pytest.approx(momentum[1][:, 1], abs=1e-10 * scale)
+    assert momentum[0][0, 0] == pytest.approx(0.2 * disks.measure / 2 * MATERIAL.density, rel=1e-12)
+    assert momentum[0][-1, 0] < -0.3 * momentum[0][0, 0]
+
+
 # Bad input.
 
 
@@ -228,12 +379,19 @@ def test_nodes_that_no_particle_reaches_may_be_held():
         (lambda: offset(0.5), "offset"),
         (lambda: offset(math.nan), "offset"),
         (lambda: Layout("mine", offset=-0.6), "offset"),
+        (lambda: Bodies(()), "one at least"),
+        (lambda: Bodies((Block((0.0,), (1.0,)), Disk((2.0, 0.0), 0.5))), "all of one dimension"),
+        (lambda: Block((0.0, 0.0), (1.0, 0.0)), "the upper above the lower"),
+        (lambda: Block((0.0,), (1.0, 1.0)), "two corners"),
+        (lambda: Block((0.0,), (math.inf,)), "finite"),
+        (lambda: body(Block((0.0, 0.0), (1.1, 1.0))), "must lie in a box of its dimension"),
+        (lambda: body(Bodies((Block((0.0,), (0.5,)),))), "must lie in a box of its dimension"),
         (lambda: MaterialPoint(layout="gauss"), "the layout of a material point solver"),
         (
             lambda: MaterialPoint().solve(
-                body(Disk((0.0, 0.0), 0.5), FREE | {"x+": Traction(Constant(1.0))}), Discretisation(0.25, 0.5)
+                body(Disk((0.5, 0.0), 0.5), FREE | {"x+": Traction(Constant(1.0))}), Discretisation(0.25, 0.5)
             ),
-            "no traction on faces that the body does not touch",
+            "no traction on faces that no side of a body lies against",
         ),
     ],
 )

@@ -1,5 +1,6 @@
 """Two-step Taylor-Galerkin against its amplification factor, the GeHoJerez deck, d'Alembert and its conservation laws."""
 
+import dataclasses
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from mpmverify.errors import UsageError
 from mpmverify.problem import (
     Absorbing,
     Array,
+    Block,
     BoundaryCondition,
     Constant,
     Discretisation,
@@ -494,6 +496,7 @@ def test_schemes_are_named_by_their_choices():
         (problem(Transport(1.0), Outflow(), Inflow(), 1.0), "Inflow where"),
         (problem(Transport(-1.0), Inflow(), Outflow(), 1.0), "Inflow where"),
         (problem(Transport(1.0), Traction(), Outflow(), 1.0), "Inflow where"),
+        (dataclasses.replace(problem(BAR, Velocity(), Traction(), 1.0), shape=Block((0.0,), (0.5,))), "from end to end"),
         (problem(Transport(0.0), Periodic(), Periodic(), 1.0), "other than zero"),
         (problem(Transport(1.0), Periodic(), Periodic(), 1.0, body_force=lambda X, t: t), "body force"),
         (Problem("square", (0, 0), (1, 1), BAR, dict.fromkeys(("x-", "x+", "y-", "y+"), Velocity()), 1.0), "one dimension"),

@@ -26,7 +26,7 @@ def statement(problem: Problem) -> dict[str, str]:
         "material": _value(problem.material),
         "wave speed": f"{problem.material.wave_speed:g} m/s",
         "final time": f"{problem.end_time:g} s",
-        **({} if problem.shape is None else {"body": _value(problem.shape)}),
+        **({} if problem.shape is None else {"body": " and ".join(map(_value, problem.shape.bodies))}),
     }
     return facts | {f"face {face}": _condition(problem.boundary[face]) for face in sorted(problem.boundary, key=_along)}
 

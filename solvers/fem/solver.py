@@ -163,6 +163,7 @@ class FiniteElement:
         """
         law, beta = problem.material, BETA[self.integrator]
         require(problem.dimension == 1, self.name, problem, "one dimension")
+        require(problem.shape is None, self.name, problem, "a bar from end to end of its box")
         require(type(law) in (LinearElastic, NeoHookean), self.name, problem, "a linear elastic or neo-Hookean bar")
         assert isinstance(law, LinearElastic)
         linear = type(law) is LinearElastic

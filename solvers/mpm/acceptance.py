@@ -22,8 +22,8 @@ def check(problem: Problem, name: str, fitted: bool) -> None:
     joined = [isinstance(condition, Periodic) for _, condition in sorted(problem.boundary.items())]
     require(joined[::2] == joined[1::2], name, problem, "axes of which both ends are joined or neither")
     require(not fitted or problem.shape is None, name, problem, "bodies that fill the cells of their box")
-    loaded = problem.shape is not None and any(isinstance(c, Traction) and c != Traction() for c in conditions)
-    require(not loaded, name, problem, "no traction on faces that the body does not touch")
+    loaded = [face for face, c in problem.boundary.items() if isinstance(c, Traction) and c != Traction()]
+    require(all(map(problem.touched, loaded)), name, problem, "no traction on faces that no side of a body lies against")
     flat = problem.dimension == 2 or not isinstance(problem.material, PlaneStress)
     require(flat, name, problem, "plane stress in two dimensions")
     state = {"displacement", "displacement_gradient", "stress"}

@@ -31,14 +31,16 @@ def ghosts(axes: tuple[Axis, ...]) -> Integers:
     return np.stack([numbers[beyond], images[beyond]], axis=1)
 
 
-def integrals(axis: Axis, h: float) -> Array:
-    """Integral of every function along an axis (C + W - 1,) [m]."""
+def integrals(axis: Axis, h: float, lower: float, upper: float) -> Array:
+    """Integral of every function along an axis from one place [m] to another (C + W - 1,) [m]."""
     width = axis.polynomials.shape[1]
-    on_cells = (axis.polynomials[:, :, :width] / np.arange(1, width + 1)[:, None]).sum(axis=1)[axis.piece]
+    a, b = (np.clip((end - axis.lower) / h - np.arange(axis.cells), 0, 1) for end in (lower, upper))
     total = np.zeros(len(axis.nodes))
-    for k in range(width):
-        first = axis.padding + k
-        total[first : first + axis.cells] += h * on_cells[:, k]
+    for power in range(width):
+        share = (b ** (power + 1) - a ** (power + 1)) / (power + 1)
+        for k in range(width):
+            first = axis.padding + k
+            total[first : first + axis.cells] += h * share * axis.polynomials[axis.piece, power, k]
     if axis.periodic:
         np.add.at(total, np.arange(axis.cells, len(total)) % axis.cells, total[axis.cells :].copy())
     return total
@@ -74,7 +76,8 @@ def tabulate_faces(problem: Problem, axes: tuple[Axis, ...], h: float, steps: in
             values = condition.value(levels)
             if values.any() or not np.isfinite(values).all():
                 loaded += [(node, k, len(force)) for node in on_face]
-                area.append(_areas(axes, h, k).ravel())
+                sides = problem.touched(face)
+                area.append(sum(_areas(axes, h, k, side.lower, side.upper).ravel() for side in sides))
                 force.append(sign * values)
     return Faces(
         np.array(held, dtype=np.int64).reshape(-1, 3),
@@ -90,12 +93,12 @@ def end_node(axis: Axis, sign: int) -> int:
     return axis.padding + (axis.cells + axis.polynomials.shape[1] - 2 if sign > 0 else 0)
 
 
-def _areas(axes: tuple[Axis, ...], h: float, normal: int) -> Array:
-    """Integrals of the functions of a face across an axis, over the nodes of the face."""
+def _areas(axes: tuple[Axis, ...], h: float, normal: int, lower: tuple[float, ...], upper: tuple[float, ...]) -> Array:
+    """Integrals of the functions of a face across an axis over its part between two corners, by the nodes of the face."""
     total = np.ones(())
     for k, axis in reversed(list(enumerate(axes))):
         if k != normal:
-            along = integrals(axis, h)[: axis.cells if axis.periodic else None]
+            along = integrals(axis, h, lower[k], upper[k])[: axis.cells if axis.periodic else None]
             total = np.multiply.outer(total, along)
     return total
 

@@ -66,13 +66,13 @@ def offset(share: float) -> Layout:
 
 
 def place_particles(problem: Problem, at: Discretisation, layout: Layout = REGULAR) -> tuple[Array, Array]:
-    """Reference positions (P, d) [m], x fastest, and volumes (P,) [m^d], which sum to the measure of the body.
+    """Reference positions (P, d) [m], body by body with x fastest, and volumes (P,) [m^d], which sum to the measure of the body.
 
     Notes
     -----
     A body of a shape has a particle in each sub-cell that it covers at least in part, with the volume of that part, at its centroid
     where it is not the whole. At the middle of the sub-cell the errors are as large, but fall irregularly. Offset and jitter
-    move a particle from there, but not out of its sub-cell.
+    move a particle from there, but not out of its sub-cell. Each of several bodies has its own particles.
     """
     points, ends = layout.in_cell(at.ppc)
     counts = at.cells(problem)
@@ -87,15 +87,18 @@ def place_particles(problem: Problem, at: Discretisation, layout: Layout = REGUL
     if problem.shape is None and not layout.offset and not at.jitter:
         return place, volume
     lower, upper = corner + at.h * in_cells(ends[:-1]), corner + at.h * in_cells(ends[1:])
-    if problem.shape is not None:
-        area, centroid = problem.shape.parts(lower, upper)
-        cut = area < (1 - 1e-12) * volume
-        place[cut] = centroid[cut]
-        volume, place = _without_slivers(area, place, SLIVER * volume, [cells * at.ppc for cells in reversed(counts)])
-    if layout.offset or at.jitter:
-        random = np.random.default_rng(at.seed).uniform(-1, 1, place.shape)
-        place = np.clip(place + (layout.offset + at.jitter * random) * size, lower, upper)
-    return place[volume > 0], volume[volume > 0]
+    random = np.random.default_rng(at.seed)
+    found = []
+    for body in (None,) if problem.shape is None else problem.shape.bodies:
+        X, V = place, volume
+        if body is not None:
+            part, centroid = body.parts(lower, upper)
+            X = np.where((part < (1 - 1e-12) * volume)[:, None], centroid, place)
+            V, X = _without_slivers(part, X, SLIVER * volume, [cells * at.ppc for cells in reversed(counts)])
+        if layout.offset or at.jitter:
+            X = np.clip(X + (layout.offset + at.jitter * random.uniform(-1, 1, X.shape)) * size, lower, upper)
+        found.append((X[V > 0], V[V > 0]))
+    return np.concatenate([X for X, _ in found]), np.concatenate([V for _, V in found])
 
 
 def _mesh(along: list[Array]) -> Array:
@@ -103,21 +106,23 @@ def _mesh(along: list[Array]) -> Array:
     return np.stack([axis.ravel() for axis in reversed(np.meshgrid(*reversed(along), indexing="ij"))], axis=1)
 
 
-def _without_slivers(area: Array, place: Array, least: Array, counts: list[int]) -> tuple[Array, Array]:
-    """Areas (B,) and places (B, 2) when each part below `least` (B,) has joined the largest of its neighbours across a side.
+def _without_slivers(part: Array, place: Array, least: Array, counts: list[int]) -> tuple[Array, Array]:
+    """Measures (B,) and places (B, d) when each part below `least` (B,) has joined the largest of its neighbours across a side.
 
-    The sums of areas and of first moments stay; a part that has no larger neighbour does, too.
+    The sums of measures and of first moments stay; a part that has no larger neighbour does, too.
     """
-    number = np.pad(np.arange(len(area)).reshape(counts), 1, mode="edge")
-    around = np.stack([number[1:-1, 1:-1], number[:-2, 1:-1], number[2:, 1:-1], number[1:-1, :-2], number[1:-1, 2:]]).reshape(
-        5, -1
-    )
-    largest = np.take_along_axis(around, area[around].argmax(axis=0)[None], axis=0)[0]
-    into = np.where(area < least, largest, around[0])
+    number = np.pad(np.arange(len(part)).reshape(counts), 1, mode="edge")
+    inner, before, after = slice(1, -1), slice(None, -2), slice(2, None)
+    itself = (inner,) * len(counts)
+    sides = [(*itself[:k], side, *itself[k + 1 :]) for k in range(len(counts)) for side in (before, after)]
+    around = np.stack([number[where].ravel() for where in (itself, *sides)])
+    largest = np.take_along_axis(around, part[around].argmax(axis=0)[None], axis=0)[0]
+    into = np.where(part < least, largest, around[0])
     while not np.array_equal(into[into], into):
         into = into[into]
-    total = np.bincount(into, area, len(area)).astype(np.float64)
-    joined = total > area
-    for k in range(2):
-        place[joined, k] = np.bincount(into, area * place[:, k], len(area))[joined] / total[joined]
+    total = np.bincount(into, part, len(part)).astype(np.float64)
+    joined = total > part
+    place = place.copy()
+    for k in range(len(counts)):
+        place[joined, k] = np.bincount(into, part * place[:, k], len(part))[joined] / total[joined]
     return total, place

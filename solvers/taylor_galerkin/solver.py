@@ -36,6 +36,7 @@ BLOCK = 2**18
 def first_order_form(problem: Problem, solver: str) -> tuple[tuple[str, ...], tuple[Array, Array, Array]]:
     """Unknowns U, and (A, load, weight) of U_t + A U_x = load b; weight . |U| is the largest characteristic variable."""
     require(problem.dimension == 1, solver, problem, "problems in one dimension")
+    require(problem.shape is None, solver, problem, "a body from end to end of its box")
     material = problem.material
     if isinstance(material, Transport):
         require(material.velocity != 0, solver, problem, "a transport velocity other than zero")
