@@ -48,6 +48,7 @@ __all__ = [
     "Problem",
     "Ring",
     "Shape",
+    "Spatial",
     "Traction",
     "Transport",
     "Velocity",
@@ -60,6 +61,19 @@ Field = Callable[[Array], Array]
 """Initial field: reference positions (P, dim) [m] -> values (P, components)."""
 BodyForce = Callable[[Array, Array], Array]
 """Body force: reference positions (P, dim) [m], times (T,) [s] -> acceleration (T, P, dim) [m/s^2]."""
+
+
+@dataclass(frozen=True)
+class Spatial:
+    """A body force in spatial coordinates.
+
+    Parameters
+    ----------
+    force : callable
+        Current positions (P, dim) [m], times (T,) [s] -> acceleration (T, P, dim) [m/s^2]. On joined axes positions run on.
+    """
+
+    force: BodyForce
 
 
 @dataclass(frozen=True)
@@ -81,8 +95,8 @@ class Problem:
     initial : mapping of str to Field
         Initial fields by quantity, one of those of `Solution`; an absent one is zero. A body that is strained at first has its
         displacement, its displacement gradient and its stress.
-    body_force : BodyForce, optional
-        In material coordinates [m/s^2].
+    body_force : BodyForce or Spatial, optional
+        In material coordinates, or in spatial ones [m/s^2].
     outputs : int
         Number of output intervals; a solver that takes fewer steps returns every step.
     shape : Shape, optional
@@ -103,7 +117,7 @@ class Problem:
     boundary: Mapping[str, BoundaryCondition]
     end_time: float
     initial: Mapping[str, Field] = field(default_factory=dict)
-    body_force: BodyForce | None = None
+    body_force: BodyForce | Spatial | None = None
     outputs: int = 32
     shape: Shape | None = None
 

@@ -156,11 +156,10 @@ MATERIAL_POINT = (
     _fault(
         MPM,
         "body force at spatial instead of material coordinates",
-        (SOLVER, "block = max(1, BLOCK // points.size) if problem.body_force else steps + 1", "block = 1"),
         (
             SOLVER,
-            "tabulate_body_force(problem.body_force, points, times",
-            "tabulate_body_force(problem.body_force, particles.position if points is reference else points, times",
+            "spatial = isinstance(problem.body_force, Spatial)",
+            "spatial = bool(problem.body_force) and points is reference",
         ),
     ),
     _fault(MPM, "body force without the mass of the particle", (PASSES, "scale(m, b)", "scale(some.present, b)")),

@@ -22,6 +22,7 @@ from mpmverify.problem import (
     LinearElastic,
     NeoHookean,
     Problem,
+    Spatial,
     Traction,
     Velocity,
     output_steps,
@@ -163,6 +164,8 @@ class FiniteElement:
         """
         law, beta = problem.material, BETA[self.integrator]
         require(problem.dimension == 1, self.name, problem, "one dimension")
+        material = not isinstance(problem.body_force, Spatial)
+        require(material, self.name, problem, "a body force in material coordinates")
         require(problem.shape is None, self.name, problem, "a bar from end to end of its box")
         require(type(law) in (LinearElastic, NeoHookean), self.name, problem, "a linear elastic or neo-Hookean bar")
         assert isinstance(law, LinearElastic)
@@ -206,6 +209,7 @@ class FiniteElement:
             """Nodal loads of steps (last - first, n) [Pa] and the velocity that they can give to a point [m/s]."""
             if problem.body_force is None:
                 return np.zeros((1, n)), 0.0
+            assert not isinstance(problem.body_force, Spatial)
             b = problem.body_force(points, t[first:last])[:, :, 0]
             return np.ascontiguousarray(b * (law.density * weight) @ values), dt * float(np.abs(b).max(axis=1).sum())
 

@@ -1,6 +1,7 @@
 """One-dimensional basis functions, value and derivative together; in more dimensions a basis is made of their products."""
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -104,7 +105,7 @@ def spline_axis(lower: float, h: float, cells: int, degree: int, periodic: bool 
     piece = np.zeros(cells, dtype=np.uint8)
     for cell in range(cells):
         piece[cell] = known.setdefault(tuple(knots[cell : cell + 2 * degree + 2] - cell), len(known))
-    polynomials = np.array([_polynomials(np.array(local), degree) for local in known])
+    polynomials = np.array([_polynomials(local, degree) for local in known])
     return Axis(float(lower), cells, periodic, piece, polynomials, lower + h * means)
 
 
@@ -122,9 +123,10 @@ def basis_axis(basis: Basis, lower: float, h: float, cells: int, periodic: bool 
     return domain_axis(lower, h, cells, basis.width, periodic)
 
 
-def _polynomials(knots: Array, degree: int) -> Array:
+@lru_cache
+def _polynomials(knots: tuple[float, ...], degree: int) -> Array:
     """Taylor coefficients (powers, W) about the left end of the middle span."""
-    functions = BSpline(knots, np.eye(degree + 1), degree)
+    functions = BSpline(np.array(knots), np.eye(degree + 1), degree)
     return np.array([functions(0.0, nu=power) / math.factorial(power) for power in range(degree + 1)])
 
 

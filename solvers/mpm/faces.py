@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mpmverify.problem import Array, BodyForce, Fixed, Periodic, Problem, Traction, Velocity
+from mpmverify.problem import Array, BodyForce, Fixed, Periodic, Problem, Spatial, Traction, Velocity
 
 from .basis import Axis
 from .state import Faces, Integers
@@ -103,8 +103,9 @@ def _areas(axes: tuple[Axis, ...], h: float, normal: int, lower: tuple[float, ..
     return total
 
 
-def tabulate_body_force(body_force: BodyForce | None, points: Array, times: Array) -> Array:
-    """Body force at material points (K, d) [m] and times (B,) [s], (B, K, d) [m/s^2]; empty when there is none."""
+def tabulate_body_force(body_force: BodyForce | Spatial | None, points: Array, times: Array) -> Array:
+    """Body force at points (K, d) [m], where it asks for them, and times (B,) [s], (B, K, d) [m/s^2]; empty when there is none."""
     if body_force is None:
         return np.zeros((0, 0, 0))
-    return np.ascontiguousarray(body_force(points, times), dtype=float)
+    force = body_force.force if isinstance(body_force, Spatial) else body_force
+    return np.ascontiguousarray(force(points, times), dtype=float)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.problem import Array, Discretisation, LinearElastic, Periodic, Problem, output_steps
+from mpmverify.problem import Array, Discretisation, LinearElastic, Periodic, Problem, Spatial, output_steps, require
 from mpmverify.solution import Outcome, Solution, Status, Work
 
 from . import loop, passes
@@ -173,6 +173,8 @@ class MaterialPoint:
             If the body is not one of the laws of `constitution`, or its faces are not held, loaded or periodic.
         """
         check(problem, self.name, BASES[self.basis].kind == TLS)
+        nodal = self.body_force_at == "nodes" and isinstance(problem.body_force, Spatial)
+        require(not nodal, self.name, problem, "a body force in spatial coordinates at the particles only")
         steps, dt = discretisation.time_steps(problem)
         axes = self._axes(problem, discretisation)
         grid = self._grid(axes, discretisation)
@@ -202,10 +204,14 @@ class MaterialPoint:
 
         started = time.perf_counter()
         points = node_positions(axes) if self.body_force_at == "nodes" else reference
-        block = max(1, BLOCK // points.size) if problem.body_force else steps + 1
+        spatial = isinstance(problem.body_force, Spatial)
+        block = 1 if spatial else max(1, BLOCK // points.size) if problem.body_force else steps + 1
         code, done, kept = COMPLETED if on_grid else LEFT_GRID, 0, 0
         while code == COMPLETED and done <= steps:
             end = min(done + block, steps + 1)
+            if spatial:
+                points = np.empty_like(reference)
+                points[particles.place] = particles.position
             body = tabulate_body_force(problem.body_force, points, times[done:end])
             begin, code = done, UNSORTED
             while code == UNSORTED:

@@ -17,6 +17,7 @@ from mpmverify.problem import (
     Outflow,
     Periodic,
     Problem,
+    Spatial,
     Traction,
     Transport,
     Velocity,
@@ -36,6 +37,7 @@ BLOCK = 2**18
 def first_order_form(problem: Problem, solver: str) -> tuple[tuple[str, ...], tuple[Array, Array, Array]]:
     """Unknowns U, and (A, load, weight) of U_t + A U_x = load b; weight . |U| is the largest characteristic variable."""
     require(problem.dimension == 1, solver, problem, "problems in one dimension")
+    require(not isinstance(problem.body_force, Spatial), solver, problem, "a body force in material coordinates")
     require(problem.shape is None, solver, problem, "a body from end to end of its box")
     material = problem.material
     if isinstance(material, Transport):
@@ -193,6 +195,7 @@ class TaylorGalerkin:
         while made < steps and not failed:
             end = min(made + block, steps)
             if problem.body_force is not None:
+                assert not isinstance(problem.body_force, Spatial)
                 times = half_times[2 * made : 2 * end]
                 source[: times.size] = np.reshape(problem.body_force(middles, times), (times.size, elements))
                 strongest = max(strongest, float(np.max(np.abs(source))))
