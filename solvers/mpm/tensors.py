@@ -10,7 +10,7 @@ from math import acos, asinh, atanh, cos, log, pi, sqrt
 
 from .compilation import jit
 from .tracing import traced
-from .vectors import DIMENSION, cross
+from .vectors import DIMENSION, cross, dot
 
 # What is a number or lanes has no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -25,11 +25,6 @@ PLACES = {
 """Row and column of the components of a symmetric tensor, by how many they are."""
 SYMMETRIC = {1: PLACES[1], 2: PLACES[3], 3: PLACES[6]}
 """The same by dimension."""
-
-
-def product(a, b):
-    """Sum of products of numbers."""
-    return reduce(operator.add, [x * y for x, y in zip(a, b, strict=True)])
 
 
 @traced
@@ -55,7 +50,7 @@ def deform(dL: Tensor, F: Tensor) -> Tensor:
 def left_cauchy_green(F: Tensor) -> Symmetric:
     """Left Cauchy-Green tensor b = F F^T."""
     d = DIMENSION[len(F)]
-    return tuple(product(F[d * i : d * i + d], F[d * j : d * j + d]) for i, j in SYMMETRIC[d])
+    return tuple(dot(F[d * i : d * i + d], F[d * j : d * j + d]) for i, j in SYMMETRIC[d])
 
 
 @traced
@@ -87,7 +82,7 @@ def cofactor(F: Tensor) -> Tensor:
 def first_piola_kirchhoff(sigma: Symmetric, F: Tensor) -> Tensor:
     """P = J sigma F^-T."""
     d, A, C = DIMENSION[len(F)], full(sigma), cofactor(F)
-    return tuple(product(A[d * i : d * i + d], C[j::d]) for i in range(d) for j in range(d))
+    return tuple(dot(A[d * i : d * i + d], C[j::d]) for i in range(d) for j in range(d))
 
 
 @traced
@@ -106,8 +101,8 @@ def trace(A: Symmetric) -> float:
 def ddot(A: Symmetric, B: Symmetric) -> float:
     """A : B."""
     d = dimension(A)
-    normal = product(A[:d], B[:d])
-    return normal + 2 * product(A[d:], B[d:]) if d > 1 else normal
+    normal = dot(A[:d], B[:d])
+    return normal + 2 * dot(A[d:], B[d:]) if d > 1 else normal
 
 
 @traced
