@@ -16,7 +16,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import lower_builtin
 
 from .tracing import traced
-from .values import COUNT, DOUBLE, LANES, VECTOR, WHOLE, Lanes, Value, real, shuffled, splat, where
+from .values import COUNT, DOUBLE, LANES, TRUTH, VECTOR, WHOLE, Lanes, Value, real, shuffled, splat, where
 
 # What is a number or lanes has no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -81,19 +81,14 @@ def whole(value):
     return Value(value.builder, value.builder.fptosi(value.code, WHOLE)) if isinstance(value, Value) else int(value)
 
 
-def all_of(truths):
-    """Whether all of some truths hold for all particles."""
-    holds = reduce(operator.and_, truths)
-    if not isinstance(holds, Value) or holds.code.type == ir.IntType(1):
-        return holds
-    bits = holds.builder.bitcast(holds.code, ir.IntType(COUNT))
-    return Value(holds.builder, holds.builder.icmp_unsigned("==", bits, ir.IntType(COUNT)(-1)))
-
-
 @traced
 def positive(value):
     """Whether a value is positive for all particles, which NaN is not."""
-    return all_of([value > 0.0])
+    above = value > 0.0
+    if not isinstance(above, Value) or above.code.type == TRUTH:
+        return above
+    bits = above.builder.bitcast(above.code, ir.IntType(COUNT))
+    return Value(above.builder, above.builder.icmp_unsigned("==", bits, ir.IntType(COUNT)(-1)))
 
 
 @traced

@@ -173,7 +173,7 @@ class MaterialPoint:
         Raises
         ------
         UsageError
-            If the body is not one of the laws of `constitution`, or its faces are not held, loaded or periodic.
+            If the problem is refused by `acceptance.check`, or has a body force in spatial coordinates that is asked for at the nodes.
         """
         check(problem, self.name, BASES[self.basis].kind == TLS)
         nodal = self.body_force_at == "nodes" and isinstance(problem.body_force, Spatial)

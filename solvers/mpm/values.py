@@ -111,8 +111,8 @@ class Value:
     def __bool__(self) -> bool:
         raise TypeError("a traced function has no branches on values, see `where`")
 
-    __eq__ = None  # type: ignore[assignment]
-    __hash__ = None  # type: ignore[assignment]
+    def __eq__(self, y: object) -> bool:
+        raise TypeError("values are not compared by ==, which Python would take for their identity: see `where`")
 
 
 @contextmanager
