@@ -17,23 +17,16 @@ from mpmverify.solvers.mpm.vectors import columns, constant, scale
 
 
 def callable_from_python(function):
-    """The same compiled function, with an entry."""
-    return njit(**ARITHMETIC)(function.py_func)
-
-
-def compiled(function):
-    """A traced function, compiled to one of its own."""
-    return njit(**ARITHMETIC)(lambda *args: function(*args))
+    """The same compiled function with an entry, or a traced one compiled to one of its own."""
+    return njit(**ARITHMETIC)(function.py_func if isinstance(function, Dispatcher) else lambda *args: function(*args))
 
 
 def entries(module):
     """All names of a module, its compiled functions with an entry and its traced ones compiled."""
     known = dict(vars(module))
     for name, value in vars(module).items():
-        if isinstance(value, Dispatcher):
+        if isinstance(value, Dispatcher) or (inspect.isfunction(value) and inspect.getsource(value).startswith("@traced")):
             known[name] = callable_from_python(value)
-        elif inspect.isfunction(value) and inspect.getsource(value).startswith("@traced"):
-            known[name] = compiled(value)
     return SimpleNamespace(**known)
 
 
@@ -88,4 +81,4 @@ def functions_of(scheme, grid, particles, nodes, p):
 
 def one_strip(grid, particles):
     """All particles in the only strip of a grid."""
-    return strips(grid.lower[-1], 1 / grid.scale, grid.cells[-1], 2, len(particles.place), False, grid.stride[-1], False)
+    return strips(grid.lower[-1], 1 / grid.scale, grid.cells, 2, particles, False, grid.stride[-1], False)

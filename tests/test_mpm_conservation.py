@@ -10,7 +10,7 @@ from mpmverify.problem import Constant, Discretisation, LinearElastic, NeoHookea
 from mpmverify.solvers.mpm import APIC, FLIP, PIC, TPIC, MaterialPoint, blend, fmpm, passes, xpic
 from mpmverify.solvers.mpm.basis import BASES
 from mpmverify.solvers.mpm.faces import node_positions
-from mpmverify.solvers.mpm.state import PASSED
+from mpmverify.solvers.mpm.state import PASSED, Step
 
 particles_to_grid, grid_to_particles = map(callable_from_python, (passes.particles_to_grid, passes.grid_to_particles))
 FREE = Traction(Constant(0.0))
@@ -124,7 +124,7 @@ def cloud(variant, dimension, seed):
 
 def to_grid(scheme, grid, particles, nodes):
     strips, body = one_strip(grid, particles), np.zeros((0, 0, 0))
-    assert particles_to_grid(scheme, grid, particles, nodes, strips, 0, body, 0, 1, 0.01, True, True) == PASSED
+    assert particles_to_grid(scheme, grid, particles, nodes, strips, 0, Step(body, 0, 1, 0.01, True, True, True)) == PASSED
 
 
 def moment(x, v):
@@ -191,7 +191,7 @@ def stepped(variant, dimension, seed, acceleration):
     nodes.velocity[:] += dt * nodes.acceleration
     momentum = (mass * nodes.velocity).T
     strips, body = one_strip(grid, particles), np.zeros((0, 0, 0))
-    assert grid_to_particles(scheme, grid, particles, nodes, strips, 0, body, 0, 1, dt, True, True) == PASSED
+    assert grid_to_particles(scheme, grid, particles, nodes, strips, 0, Step(body, 0, 1, dt, True, True, True)) == PASSED
     return scheme, grid, particles, nodes, positions, mass, momentum, x, before, dt
 
 

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from from_python import one_strip
-from numba import njit
+from from_python import callable_from_python, one_strip
 from scipy.interpolate import BSpline
 
 from mpmverify.errors import UsageError
@@ -13,13 +12,12 @@ from mpmverify.exact.steffen import steffen
 from mpmverify.norms import NORMS, errors
 from mpmverify.problem import Constant, Discretisation, Fixed, NeoHookean, Periodic, Problem, Traction
 from mpmverify.shapes import Disk
-from mpmverify.solvers.mpm import APIC, FLIP, PIC, MaterialPoint, fmpm, loop, xpic
+from mpmverify.solvers.mpm import APIC, FLIP, PIC, MaterialPoint, fmpm, sweeps, xpic
 from mpmverify.solvers.mpm.basis import BASES
-from mpmverify.solvers.mpm.compilation import ARITHMETIC
 from mpmverify.solvers.mpm.faces import node_positions
-from mpmverify.solvers.mpm.state import PASSED
+from mpmverify.solvers.mpm.state import PASSED, Step
 
-to_grid = njit(**ARITHMETIC)(loop.to_grid)
+to_grid = callable_from_python(sweeps.to_grid)
 RECONSTRUCTED = tuple(name for name in BASES if name.startswith("tls-"))
 CELLS, H = 3, 0.5
 bases = pytest.mark.parametrize("basis", [pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in RECONSTRUCTED])
@@ -53,7 +51,7 @@ def cloud(basis, dimension, faces, per_cell=16, seed=3, formulation="updated"):
 def spread(scheme, grid, particles, nodes, body=None, forces=True):
     loads = np.zeros((0, 0, 0)) if body is None else body[None]
     strips = one_strip(grid, particles)
-    assert to_grid(grid.kind, scheme, grid, particles, nodes, strips, loads, 0, 1, 0.01, True, forces) == PASSED
+    assert to_grid(scheme, grid, particles, nodes, strips, 0, Step(loads, 0, 1, 0.01, True, forces, True)) == PASSED
 
 
 def monomials(x, degree):

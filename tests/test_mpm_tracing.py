@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from numba import njit
 from numba.core.errors import TypingError
 
+from mpmverify.solvers.mpm.flow import each
 from mpmverify.solvers.mpm.lanes import floor, lanes, lanes_of, largest, least, positive, total, whole
 from mpmverify.solvers.mpm.memory import rows
 from mpmverify.solvers.mpm.tracing import traced
-from mpmverify.solvers.mpm.values import COUNT, Four, each, where
+from mpmverify.solvers.mpm.values import COUNT, Four, where
 
 numbers = st.floats(-1e3, 1e3)
 

@@ -105,8 +105,8 @@ FAIL, ERROR = Verdict.FAIL, Verdict.ERROR
 MPM_LAW, MPM_PASSES, MPM_GRID, MPM_FACES = "mpm/constitution.py", "mpm/passes.py", "mpm/grid.py", "mpm/faces.py"
 MPM_SOLVER, MPM_DEFORMATION = "mpm/solver.py", "mpm/deformation.py"
 MPM_HOOKE = "return shifted(lame * trace(eps), 2 * shear, eps)"
-MPM_STRAINED = "passed = min(passed, strain(scheme.law, scheme, particles, p, some, scale(dt, gradient)"
-MPM_NO_DT = MPM_STRAINED.replace("scale(dt, gradient)", "gradient")
+MPM_STRAINED = "strained = strain(scheme, particles, p, some, scale(step.dt, gradient)"
+MPM_NO_DT = MPM_STRAINED.replace("scale(step.dt, gradient)", "gradient")
 MPM_STORED = "F, sigma = row(particles.state, (p, column.F)"
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 TG_MODULUS = "-(material.lame_lambda + 2 * material.shear_modulus)"
@@ -152,7 +152,7 @@ FAULTS = (
     Fault(
         "dt-dropped-from-strain-increment",
         (
-            Edit(MPM_PASSES, f"USL:\n{20 * ' '}{MPM_STRAINED}", f"USL:\n{20 * ' '}{MPM_NO_DT}"),
+            Edit(MPM_PASSES, f"USL)):\n{20 * ' '}{MPM_STRAINED}", f"USL)):\n{20 * ' '}{MPM_NO_DT}"),
             Edit(MPM_PASSES, f"limits))\n{8 * ' '}{MPM_STRAINED}", f"limits))\n{8 * ' '}{MPM_NO_DT}"),
         ),
         (Kill(MPM_VIBRATION, ERROR, "order of displacement"),),
@@ -267,7 +267,7 @@ FAULTS = (
     ),
     Fault(
         "strain-energy-of-the-neighbouring-volume",
-        (Edit(MPM_DEFORMATION, MPM_STORED, MPM_STORED.replace("(p,", "(max(p - 1, 0),")),),
+        (Edit(MPM_DEFORMATION, MPM_STORED, MPM_STORED.replace("(p,", "(p - where(p > 0, 1, 0),")),),
         (Kill(MPM_PULSE, FAIL, "mass, momentum, kinetic_energy, strain_energy summed"),),
         keeps_orders=True,
     ),

@@ -140,6 +140,12 @@ def test_code_of_the_ends_is_known_by_the_table_that_a_loop_reads(toy):
     ]
 
 
+def test_a_time_step_of_a_record_is_one(toy):
+    (toy / "toy" / "grid.py").write_text("def move(x, v, step):\n    return x + step.dt * v\n", encoding="utf-8")
+    found = {fault.edits[0].new for fault in faults(toy, "toy") if fault.rule == "time-step" and "grid" in fault.edits[0].file}
+    assert found == {"    return x + v", "    return x + (step.dt / 2) * v"}
+
+
 def test_an_argument_without_a_type_is_swapped_with_no_other(toy):
     (toy / "toy" / "grid.py").write_text(
         "def place(axis, x: float, scale: float):\n    return x\n\n\ndef local(a, b):\n    return place(a, b, a)\n",

@@ -20,7 +20,7 @@ from pathlib import Path
 from .faults import Fault
 from .syntax import Patch, Source, names
 
-TIME_STEPS = {"dt", "step", "kick"}
+TIME_STEPS = {"dt", "leap", "kick"}
 END_WORDS = {"held", "loaded", "bounded", "side", "face", "end", "condition", "inwards"}
 """Words by which code of a boundary is known, in the test of a branch, as the variable of a loop or as the table that it reads."""
 SWAPPED = {"+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+="}
@@ -87,7 +87,7 @@ def time_step(source: Source, node: ast.AST) -> Iterator[Patch]:
     """dt, or a share of it, dropped from a product; dt/2 for dt."""
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult):
         for mine, other in ((node.left, node.right), (node.right, node.left)):
-            if isinstance(mine, ast.Name) and mine.id in TIME_STEPS:
+            if _last_name(mine) in TIME_STEPS:
                 yield source.replaced(node, source.wrapped(other))
     operands: list[ast.expr] = []
     if isinstance(node, ast.BinOp):
@@ -95,8 +95,8 @@ def time_step(source: Source, node: ast.AST) -> Iterator[Patch]:
     elif isinstance(node, ast.Call):
         operands = node.args
     for operand in operands:
-        if isinstance(operand, ast.Name) and operand.id in TIME_STEPS:
-            yield source.replaced(operand, f"({operand.id} / 2)")
+        if _last_name(operand) in TIME_STEPS:
+            yield source.replaced(operand, f"({source.text(operand)} / 2)")
 
 
 def term(source: Source, node: ast.AST) -> Iterator[Patch]:
@@ -191,6 +191,11 @@ def _integer(node: ast.AST) -> int | None:
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and (number := _integer(node.operand)) is not None:
         return -number
     return node.value if isinstance(node, ast.Constant) and type(node.value) is int else None
+
+
+def _last_name(node: ast.AST) -> str:
+    """A name, or that of an attribute; nothing of another expression."""
+    return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
 
 
 def _attributes(node: ast.AST) -> set[str]:

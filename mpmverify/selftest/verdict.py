@@ -19,6 +19,7 @@ from mpmverify.gate import Finding, Verdict
 from mpmverify.runner import Plan, run, tasks_of
 from mpmverify.selftest.faults import Edit, Fault
 from mpmverify.selftest.planting import planted, replanted
+from mpmverify.selftest.syntax import names
 from mpmverify.solution import Solution, Status
 from mpmverify.study import Study
 
@@ -148,18 +149,28 @@ def _raises(trial: Study) -> bool:
     return False
 
 
+TRACED = {"traced", "_pass", "contextmanager"}
+"""Decorators of functions that Python runs when code is compiled, and not when that runs."""
+TRIP = "__import__('mpmverify.selftest.trip', fromlist=['trip']).trip(locals())"
+
+
 def _trip(edit: Edit, sources: Path) -> Edit:
-    """Exception in front of the statement that an edit changes."""
+    """Exception in front of the statement that an edit changes, or in a function that writes compiled code a `trip` in it."""
     text = (sources / edit.file).read_text(encoding="utf-8")
     lines = text.splitlines(keepends=True)
     line = text.count("\n", 0, edit.begin(text)) + 1
-    around = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.stmt) and node.lineno <= line]
     around = [
-        node for node in around if line <= (node.end_lineno or 0) and not lines[node.lineno - 1].lstrip().startswith("elif")
+        node
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.stmt) and node.lineno <= line <= (node.end_lineno or 0)
     ]
+    decorators = [one for node in around if isinstance(node, ast.FunctionDef) for one in node.decorator_list]
+    writes = any(names(one) & TRACED for one in decorators)
+    around = [node for node in around if not lines[node.lineno - 1].lstrip().startswith("elif")]
     first = max(around, key=lambda node: (node.lineno, node.col_offset)).lineno - 1
     indent = lines[first][: len(lines[first]) - len(lines[first].lstrip())]
-    return Edit(edit.file, text, "".join([*lines[:first], f"{indent}raise ArithmeticError\n", *lines[first:]]))
+    trip = TRIP if writes else "raise ArithmeticError"
+    return Edit(edit.file, text, "".join([*lines[:first], f"{indent}{trip}\n", *lines[first:]]))
 
 
 def counts(finding: Finding) -> bool:

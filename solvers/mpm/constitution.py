@@ -37,7 +37,7 @@ from .tensors import (
     trace,
 )
 from .tracing import traced
-from .values import where
+from .values import equal, where
 
 LINEAR_ELASTIC, KELVIN_VOIGT, MAXWELL, NEO_HOOKEAN, NEO_HOOKEAN_SPLIT, HENCKY, SAINT_VENANT_KIRCHHOFF = range(7)
 Law = tuple[int, ...]
@@ -165,10 +165,16 @@ def finite_strain(law: Law) -> bool:
     return law[0] >= NEO_HOOKEAN
 
 
-@jit
+@traced
+def small_strain(law: Law) -> bool:
+    """Whether a law is one of small strain."""
+    return law[0] < NEO_HOOKEAN
+
+
+@traced
 def viscous(law: Law) -> bool:
     """Whether a law turns energy into heat."""
-    return law[0] == KELVIN_VOIGT or law[0] == MAXWELL
+    return equal(law[0], KELVIN_VOIGT) | equal(law[0], MAXWELL)
 
 
 # Small strain.

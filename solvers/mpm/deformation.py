@@ -2,14 +2,23 @@
 
 from mpmverify.problem import Array
 
-from .compilation import jit
-from .constitution import dissipation, finite_strain, linear_elastic, reference_stress, strain_energy, stress, viscous
+from .constitution import (
+    dissipation,
+    finite_strain,
+    linear_elastic,
+    reference_stress,
+    small_strain,
+    strain_energy,
+    stress,
+    viscous,
+)
+from .flow import each, either, when
 from .lanes import floor, lanes_of, positive
 from .memory import row, rows, store, store_rows
 from .state import FAILED, HEAT, PASSED, STRAYED, Grid, Particles, Scheme, columns_of
 from .stencil import Group
 from .tensors import Symmetric, Tensor, deform, det, full, sym
-from .tracing import traced
+from .tracing import called, traced
 from .values import where
 from .vectors import Vector, axpy, columns, constant, null
 
@@ -25,29 +34,30 @@ def force_columns(scheme: Scheme, V0, sigma: Symmetric, F: Tensor, like: Vector)
     return columns(T, constant(-V, like))
 
 
-@jit
+@traced
 def strain(
-    law, scheme: Scheme, particles: Particles, p: int, some: Group, increment: Tensor, dt: float, sums: Array, zero: Vector
+    scheme: Scheme, particles: Particles, p: int, some: Group, increment: Tensor, dt: float, sums: Array, zero: Vector
 ) -> int:
     """F += dt dv/dX or F = (I + dt dv/dx) F, the stress that the law makes of it, and the energy that turned into heat.
 
     The particles are those from place p of the order on. FAILED at a law or a volume that meets J <= 0.
     """
-    column, state = columns_of(zero), particles.state
+    column, state, law, constants = columns_of(zero), particles.state, scheme.law, scheme.constants
     before, sigma = rows(state, some.numbers, column.F, increment), rows(state, some.numbers, column.stress, null(zero)[2])
-    F = axpy(1.0, increment, before) if scheme.total else deform(increment, before)
+    F = either(scheme.total, lambda: axpy(1.0, increment, before), lambda: deform(increment, before))
     store_rows(state, some.numbers, column.F, F)
     if len(law) == 1:
-        lame, shear, _ = scheme.constants
-        store_rows(state, some.numbers, column.stress, linear_elastic(lame, shear, sigma, sym(increment)))
+        answer = linear_elastic(constants.lame, constants.shear, sigma, sym(increment))
+        store_rows(state, some.numbers, column.stress, answer)
     else:
-        for k in range(some.size):
+        with each(0, some.size) as k:
             q, F_k, sigma_k, increment_k = particles.order[p + k], lanes_of(F, k), lanes_of(sigma, k), lanes_of(increment, k)
-            if viscous(law):
-                V = state[q, column.volume] * (1.0 if scheme.total else det(lanes_of(before, k)))
-                sums[HEAT] += V * dissipation(law, scheme.constants, sigma_k, increment_k, dt)
-            store(state, (q, column.stress), stress(law, scheme.constants, sigma_k, F_k, increment_k, dt))
-    return PASSED if positive(det(F)) or (scheme.total and not finite_strain(scheme.law)) else FAILED
+            with when(viscous(law)):
+                J = either(scheme.total, 1.0, lambda: det(lanes_of(before, k)))
+                heat = called(dissipation, law, constants, sigma_k, increment_k, dt)
+                sums[HEAT] += state[q, column.volume] * J * heat
+            store(state, (q, column.stress), called(stress, law, constants, sigma_k, F_k, increment_k, dt))
+    return where(positive(det(F)) | keeps_volume(scheme), PASSED, FAILED)
 
 
 @traced
@@ -66,11 +76,16 @@ def within(y, limits: Array) -> bool:
     return positive(y - limits[0]) & positive(limits[1] - y)
 
 
-@jit
-def stored_energy(scheme: Scheme, particles: Particles, p: int, zero: Vector) -> float:
+@traced
+def stored_energy(scheme: Scheme, particles: Particles, p: int, zero: Vector):
     """Strain energy of a particle."""
     column = columns_of(zero)
     F, sigma = row(particles.state, (p, column.F), null(zero)[1]), row(particles.state, (p, column.stress), null(zero)[2])
-    current = not scheme.total and not finite_strain(scheme.law)
-    J = det(F) if current else 1.0
-    return particles.state[p, column.volume] * J * strain_energy(scheme.law, scheme.constants, sigma, F)
+    J = either(keeps_volume(scheme) | finite_strain(scheme.law), 1.0, lambda: det(F))
+    return particles.state[p, column.volume] * J * called(strain_energy, scheme.law, scheme.constants, sigma, F)
+
+
+@traced
+def keeps_volume(scheme: Scheme) -> bool:
+    """Whether a body keeps its volume: at small strain in material coordinates, where J may even be negative."""
+    return scheme.total & small_strain(scheme.law)

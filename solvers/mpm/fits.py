@@ -1,13 +1,17 @@
 """Fits of fields to the particles of a cell, by Taylor polynomials about its middle; their values at points of Gauss."""
 
 import math
+import operator
+from functools import reduce
 from typing import NamedTuple
 
 from mpmverify.problem import Array
 
-from .compilation import jit
+from .flow import Kept, each, when
+from .lanes import largest, least, root, size
 from .memory import row
 from .tracing import traced
+from .values import opposite, where
 from .vectors import Vector, axpy, scale
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -65,62 +69,63 @@ def taylor(width, xi: Vector):
     return one, x, y, z, x * x - MEAN, y * y - MEAN, z * z - MEAN, x * y, y * z, z * x
 
 
-@jit
+@traced
 def factor(cell: Array, parts: Parts, d: int) -> int:
     """Cholesky factor of the products of the functions in their place, and of how many whole degrees are determined: their functions."""
     A, k = parts.products, parts.functions
-    for i in range(k):
-        rest = whole = cell[A + k * i + i]
-        for j in range(i):
-            value = cell[A + k * i + j]
-            for other in range(j):
-                value -= cell[A + k * i + other] * cell[A + k * j + other]
-            value /= cell[A + k * j + j]
-            cell[A + k * i + j] = value
-            rest -= value * value
-        if i > 0:  # particles that gather in the middle of the cell have next to no slope to tell
-            whole = max(whole, cell[A] * cell[A] * (MEAN if i <= d else MEAN_SQUARE))
-        if not rest > DETERMINED * whole:
-            return 1 + d if i > d else min(i, 1)
-        cell[A + k * i + i] = math.sqrt(rest)
-    return k
+    determined = Kept(k, cell.shape[0])
+    with each(0, k, like=cell) as i, when(determined.value >= k):
+        square = cell[A + k * i + i]
+        rest = Kept(square)
+        with each(0, i) as j:
+            value = Kept(cell[A + k * i + j])
+            with each(0, j) as other:
+                value.value -= cell[A + k * i + other] * cell[A + k * j + other]
+            value.value /= cell[A + k * j + j]
+            cell[A + k * i + j] = value.value
+            rest.value -= value.value * value.value
+        # Particles that gather in the middle of the cell have next to no slope to tell.
+        usual = cell[A] * cell[A] * where(i > d, MEAN_SQUARE, MEAN)
+        enough = rest.value > DETERMINED * where(i > 0, largest(square, usual), square)
+        determined.value = where(enough, k, where(i > d, 1 + d, least(i, 1)))
+        with when(enough):
+            cell[A + k * i + i] = root(rest.value)
+    return determined.value
 
 
-@jit
+@traced
 def solve(cell: Array, parts: Parts, determined: int, volume: float) -> None:
     """Coefficients of the fits in the place of the products with the fields; those of functions that are not determined are zero.
 
     The first, which is the mean over the cell, of what is conserved is its sum over the volume.
     """
     A, k, B, stride = parts.products, parts.functions, parts.densities, parts.fields
-    for c in range(parts.fields):
-        for i in range(determined):
-            for j in range(i):
+    with each(0, parts.fields, like=cell) as c:
+        with each(0, determined) as i:
+            with each(0, i) as j:
                 cell[B + stride * i + c] -= cell[A + k * i + j] * cell[B + stride * j + c]
             cell[B + stride * i + c] /= cell[A + k * i + i]
-        for i in range(determined - 1, -1, -1):
-            for j in range(i + 1, determined):
+        with each(0, determined) as solved:
+            i = determined - 1 - solved
+            with each(i + 1, determined) as j:
                 cell[B + stride * i + c] -= cell[A + k * j + i] * cell[B + stride * j + c]
             cell[B + stride * i + c] /= cell[A + k * i + i]
-        for i in range(determined, k):
+        with each(determined, k) as i:
             cell[B + stride * i + c] = 0.0
-    for c in range(parts.conserved):
+    with each(0, parts.conserved, like=cell) as c:
         cell[B + c] = cell[SUMS + c] / volume
 
 
-@jit
+@traced
 def keep_positive(cell: Array, parts: Parts) -> None:
     """Means in the place of the fits of what is conserved, where the density might not be positive all over the cell.
 
     No Taylor function is larger than a half there.
     """
-    B, stride, reach = parts.densities, parts.fields, 0.0
-    for i in range(1, parts.functions):
-        reach += 0.5 * abs(cell[B + stride * i])
-    if not reach < cell[B]:
-        for i in range(1, parts.functions):
-            for c in range(parts.conserved):
-                cell[B + stride * i + c] = 0.0
+    B, stride = parts.densities, parts.fields
+    reach = reduce(operator.add, [0.5 * size(cell[B + stride * i]) for i in range(1, parts.functions)])
+    with when(opposite(reach < cell[B])), each(1, parts.functions, like=cell) as i, each(0, parts.conserved, like=cell) as c:
+        cell[B + stride * i + c] = 0.0
 
 
 @traced
@@ -139,7 +144,7 @@ def fitted_columns(cells: Array, c: int, first: int, stride: int, functions, zer
     return tuple(fitted(cells, c, first + d * k, stride, functions, zero) for k in range(d))
 
 
-@jit
+@traced
 def gauss_points(width):
     """Points on [0, 1] and their weights: exact for hats and linear fits, and for cubic splines and quadratic fits."""
     if len(width) == 2:
@@ -147,15 +152,16 @@ def gauss_points(width):
     return (0.5 - THREE, 0.5, 0.5 + THREE), (5 / 18, 4 / 9, 5 / 18)
 
 
-@jit
+@traced
 def gauss_point(width, number: int, like: Vector):
     """Point of a cell (d,) in cells from its lower corner, and the weight of its products; numbered with x fastest."""
     points, weights = gauss_points(width)
-    count = len(points)
-    i, j = number % count, number // count % count
-    if len(like) == 1:
-        return (points[i],), weights[i]
-    if len(like) == 2:
-        return (points[i], points[j]), weights[i] * weights[j]
-    k = number // count**2
-    return (points[i], points[j], points[k]), weights[i] * weights[j] * weights[k]
+    count, d = len(points), len(like)
+    along = [number // count**k % count for k in range(d)]
+    return tuple(numbered(points, i) for i in along), reduce(operator.mul, [numbered(weights, i) for i in along])
+
+
+@traced
+def numbered(items, i: int):
+    """One of a tuple of numbers."""
+    return where(i < 1, items[0], numbered(items[1:], i - 1)) if len(items) > 1 else items[0]

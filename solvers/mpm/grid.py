@@ -7,10 +7,11 @@ from typing import Any
 
 from mpmverify.problem import Array
 
+from .flow import each
 from .memory import add_totals
 from .state import Faces, Grid, Nodes
 from .tracing import traced
-from .values import COUNT, Four, each, where
+from .values import COUNT, Four, where
 from .vectors import Vector
 
 # What is a number or lanes, or an array of compiled code, has no annotation.
@@ -27,20 +28,20 @@ def _pass(at_node: Callable[..., None]) -> Any:
     """A pass over the nodes from `begin` to `end`, four at a time as far as they go; it sets the sums that it leaves to zero before."""
 
     @wraps(at_node)
-    def over_nodes(zero, nodes, strips, velocity, massless, kick, step, sums, begin, end):
+    def over_nodes(zero, nodes, strips, velocity, massless, kick, leap, sums, begin, end):
         with each(0, sums.shape[0]) as c:
             sums[c] = 0.0
         last = end - (end - begin) % COUNT
         with each(begin, last, COUNT) as i:
-            at_node(zero, nodes, velocity, massless, kick, step, sums, Four(i))
+            at_node(zero, nodes, velocity, massless, kick, leap, sums, Four(i))
         with each(last, end) as i:
-            at_node(zero, nodes, velocity, massless, kick, step, sums, i)
+            at_node(zero, nodes, velocity, massless, kick, leap, sums, i)
 
     return traced(over_nodes)
 
 
 @_pass
-def clear(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, step: float, sums: Array, i) -> None:
+def clear(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i) -> None:
     """Nothing at the nodes."""
     for values, count in (nodes.inertia, 1 + len(zero)), (nodes.internal, len(zero)), (nodes.external, len(zero)):
         for c in range(count):
@@ -49,7 +50,7 @@ def clear(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: fl
 
 @_pass
 def nodal_velocity(
-    zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, step: float, sums: Array, i
+    zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i
 ) -> None:
     """v_I = p_I/m_I; `sums` (d,) is the momentum that this adds, where there is no mass."""
     mass, lost = nodes.inertia[0, i], []
@@ -61,7 +62,7 @@ def nodal_velocity(
 
 
 @_pass
-def accelerate(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, step: float, sums: Array, i) -> None:
+def accelerate(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i) -> None:
     """a_I = f_I/m_I; the external force is the reaction where there is no mass."""
     mass = nodes.inertia[0, i]
     for c in range(len(zero)):
@@ -71,8 +72,8 @@ def accelerate(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kic
 
 
 @_pass
-def kick_nodes(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, step: float, sums: Array, i) -> None:
-    """v_I += step a_I, where it is held it arrives at v_b(t^{n+1/2}); the momentum is set to zero for another projection.
+def kick_nodes(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i) -> None:
+    """v_I += leap a_I, where it is held it arrives at v_b(t^{n+1/2}); the momentum is set to zero for another projection.
 
     Before, sum_I f_I v_I at t^n and sum_I f_I of the external forces, and the mass (2 + d,).
     """
@@ -81,7 +82,7 @@ def kick_nodes(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kic
         external, v, a = nodes.external[c, i], nodes.velocity[c, i], nodes.acceleration[c, i]
         power.append(external * (v + kick * a))
         forces.append(external)
-        nodes.velocity[c, i] = v + step * a
+        nodes.velocity[c, i] = v + leap * a
         nodes.inertia[1 + c, i] = 0.0
     add_totals(sums, 0, 1.0, (reduce(operator.add, power), *forces, nodes.inertia[0, i]))
 
@@ -135,10 +136,10 @@ def load_faces(nodes: Nodes, faces: Faces, n: int) -> None:
 @traced
 def hold_acceleration(grid: Grid, nodes: Nodes, faces: Faces, n: int, dt: float) -> None:
     """[v_b(t^{n+1/2}) - v_b(t^{n-1/2})]/dt where it is held; the reaction m_I a_I - f_I is an external force."""
-    _, step = leapfrog(n, dt)
+    _, leap = leapfrog(n, dt)
     with each(0, faces.held.shape[0]) as k:
         i, c, face = (faces.held[k, j] for j in range(3))
-        nodes.acceleration[c, i] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / step
+        nodes.acceleration[c, i] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / leap
         nodes.external[c, i] = nodes.inertia[0, i] * nodes.acceleration[c, i] - nodes.internal[c, i]
     repeat(grid, nodes.acceleration)
 

@@ -6,17 +6,18 @@ import numpy as np
 
 from mpmverify.problem import Array
 
+from .flow import each
 from .grid import leapfrog
 from .lanes import largest
 from .state import HEAT, KINETIC, MOMENTUM, STRAIN, Histories, Scheme, Strips
 from .tracing import traced
-from .values import each, where
+from .values import where
 from .vectors import Vector
 
 # What is a number of compiled code has no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
-COMPLETED, UNSTABLE, NON_FINITE, LEFT_GRID, INVERTED, UNSORTED = range(6)
+COMPLETED, UNSTABLE, NON_FINITE, LEFT_GRID, INVERTED = range(5)
 POWER, WORK, GIVEN, TURNED, IMPULSE = range(5)
 """Of what is carried from step to step, TURNED the energy that became heat; the impulse takes one place for each direction."""
 GROWTH = 100.0
@@ -32,7 +33,7 @@ def add_up(
 
     `at_nodes` are the power, the forces and the mass, see `kick_nodes`.
     """
-    kick, step = leapfrog(n, dt)
+    kick, leap = leapfrog(n, dt)
     work = kick * (running[POWER] + at_nodes[0])
     running[POWER] = at_nodes[0]
     running[WORK] += work
@@ -40,7 +41,7 @@ def add_up(
     for c in range(len(zero)):
         force = at_nodes[1 + c]
         histories.impulse[k, c] = running[IMPULSE + c] + kick * force
-        running[IMPULSE + c] += step * force + (1.0 - scheme.flip) * added[c]
+        running[IMPULSE + c] += leap * force + (1.0 - scheme.flip) * added[c]
     histories.mass[k] = at_nodes[1 + len(zero)]
     histories.external_work[k] = running[WORK]
     histories.dissipated_energy[k] = running[TURNED]

@@ -4,10 +4,10 @@ What the passes compute with is a number for one particle, or lanes for four: tr
 itself.
 """
 
+import math
 import operator
 from collections.abc import Callable
 from functools import reduce
-from math import floor as below
 from typing import Any
 
 from llvmlite import ir
@@ -16,7 +16,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import lower_builtin
 
 from .tracing import traced
-from .values import COUNT, DOUBLE, LANES, TRUTH, VECTOR, WHOLE, Lanes, Value, real, shuffled, splat, where
+from .values import COUNT, DOUBLE, LANES, TRUTH, VECTOR, WHOLE, Lanes, Value, code_of, real, shuffled, splat, where
 
 # What is a number or lanes has no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -47,10 +47,10 @@ def built(items):
     """Numbers of one particle or of four as a value."""
     if len(items) == 1:
         return items[0]
-    vector = ir.Constant(VECTOR, ir.Undefined)
+    vector, builder = ir.Constant(VECTOR, ir.Undefined), next(item.builder for item in items if isinstance(item, Value))
     for k, item in enumerate(items):
-        vector = item.builder.insert_element(vector, item.code, cgutils.int32_t(k))
-    return Value(items[0].builder, vector)
+        vector = builder.insert_element(vector, code_of(builder, item, DOUBLE), cgutils.int32_t(k))
+    return Value(builder, vector)
 
 
 def taken(value, count=1):
@@ -63,16 +63,25 @@ def taken(value, count=1):
 lanes = traced(built)
 
 
+def _of_llvm(name: str, value: Value) -> Value:
+    """A function of LLVM of a value."""
+    code, kind = value.builder, value.code.type
+    full = f"llvm.{name}.{'f64' if kind == DOUBLE else f'v{COUNT}f64'}"
+    return Value(
+        code, code.call(cgutils.get_or_insert_function(code.module, ir.FunctionType(kind, [kind]), full), [value.code])
+    )
+
+
 @traced
 def floor(value):
     """The whole number below a value."""
-    if not isinstance(value, Value):
-        return float(below(value))
-    value = real(value)
-    kind, code = value.code.type, value.builder
-    name = "llvm.floor.f64" if kind == DOUBLE else f"llvm.floor.v{COUNT}f64"
-    function = cgutils.get_or_insert_function(code.module, ir.FunctionType(kind, [kind]), name)
-    return Value(code, code.call(function, [value.code]))
+    return _of_llvm("floor", real(value)) if isinstance(value, Value) else float(math.floor(value))
+
+
+@traced
+def root(value):
+    """Square root of a value."""
+    return _of_llvm("sqrt", value) if isinstance(value, Value) else math.sqrt(value)
 
 
 @traced
@@ -140,6 +149,12 @@ def largest(a, b):
 def least(a, b):
     """The smaller of two values; the second if one is not a number."""
     return where(a < b, a, b)
+
+
+@traced
+def size(value):
+    """How far a value is from zero."""
+    return largest(value, -value)
 
 
 @traced

@@ -9,7 +9,6 @@ from .grid import (
     accelerate,
     add_term,
     begin_series,
-    clear,
     hold_acceleration,
     hold_velocity,
     join,
@@ -19,12 +18,25 @@ from .grid import (
     nodal_velocity,
     weigh,
 )
-from .histories import COMPLETED, INVERTED, LEFT_GRID, UNSORTED, add_heat, add_up, record_sums
-from .order import ARRANGED, INTERVAL, arrange
-from .passes import MUSL, USF, USL, grid_to_particles, particles_to_grid, record_fields, smooth, strain_particles
-from .reconstruction import COUNT, fit_cells, spread_fits
-from .state import FAILED, STRAYED, Faces, Grid, Histories, Nodes, Outputs, Particles, Scheme, Strips, columns_of
-from .sweeps import IN_THREADS
+from .histories import COMPLETED, INVERTED, LEFT_GRID, add_heat, add_up, record_sums
+from .order import ARRANGED, INTERVAL, arrange, sort
+from .passes import MUSL, USF, USL, grid_to_particles, record_fields, smooth, strain_particles
+from .state import (
+    FAILED,
+    STRAYED,
+    UNSORTED,
+    Faces,
+    Grid,
+    Histories,
+    Nodes,
+    Outputs,
+    Particles,
+    Scheme,
+    Step,
+    Strips,
+    columns_of,
+)
+from .sweeps import IN_THREADS, IN_TURN, fits_to_grid, to_grid
 from .vectors import with_mass
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -32,16 +44,6 @@ from .vectors import with_mass
 
 MASSLESS = 1e-12
 """Nodes with less than this part of the largest particle's mass carry no velocity: f/m would overflow."""
-
-
-def to_grid(kind, scheme, grid, particles, nodes, strips, body, load, n, dt, record, forces):
-    """Particles to grid, with fits of the cells where the basis has them."""
-    if len(kind) == 5:
-        nodes.cells[:, COUNT] = 0.0
-        if fit_cells(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, record, forces) == FAILED:
-            return FAILED
-        spread_fits(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, record, forces)
-    return particles_to_grid(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, record, forces)
 
 
 def refine(
@@ -52,7 +54,6 @@ def refine(
     nodes,
     faces,
     strips,
-    body,
     massless,
     values,
     total,
@@ -67,7 +68,7 @@ def refine(
     if len(series) > 0:
         begin_series(grid, nodes, values)
         for _ in range(scheme.terms - 1):
-            smooth(scheme, grid, particles, nodes, strips, 0, body, 0, 0, 0.0, False, False)
+            smooth(scheme, grid, particles, nodes, strips, 0)
             add_term(grid, nodes, faces, massless, total, reaction, added)
 
 
@@ -107,8 +108,7 @@ def march_through(
     Returns
     -------
     tuple of int
-        Status, the number of passes recorded since the start, and of outputs; UNSORTED when the particles are to be sorted before it
-        goes on.
+        Status, the number of passes recorded since the start, and of outputs.
 
     References
     ----------
@@ -120,7 +120,7 @@ def march_through(
     heaviest = 0.0
     for p in range(particles.place.size):
         heaviest = max(heaviest, particles.state[p, columns_of(grid.lower).mass])
-    massless, last, strayed, count = MASSLESS * heaviest, faces.force.shape[1] - 1, False, nodes.inertia.shape[1]
+    massless, last, count = MASSLESS * heaviest, faces.force.shape[1] - 1, nodes.inertia.shape[1]
     many, series, turns = strips.passed.size > 1, scheme.series, scheme.full_mass
     velocity, nodal_body = nodes.velocity, body if scheme.nodal_body else body[:0]
     zero = grid.lower
@@ -129,17 +129,20 @@ def march_through(
         strips.total[0, : len(grid.lower)],
         strips.total[1, : 2 + len(grid.lower)],
     )
+    if many and strips.sorted[0] == UNSORTED:
+        sort(scheme, grid, particles, strips, begin)
     record = 0
     while histories.step[record] < begin:
         record += 1
     for n in range(begin, end):
-        if strayed or (many and n - begin == INTERVAL):
-            return UNSORTED, n, output
-        if n == begin or (n % ARRANGED == 0 and not scheme.total):
-            arrange(scheme, grid, particles, nodes, strips, 0, body, 0, 0, 0.0, False, False)
-        clear(zero, nodes, strips, velocity, massless, 0.0, 0.0, nothing, 0, count)
-        load, forces, recorded = n - begin, scheme.schedule != USF or n == 0, histories.step[record] == n
-        if to_grid(grid.kind, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, forces) == FAILED:
+        sorting = many and (strips.sorted[0] == UNSORTED or n - strips.sorted[0] == INTERVAL)
+        if sorting and sort(scheme, grid, particles, strips, n) == FAILED:
+            return LEFT_GRID, n, output
+        if sorting or n == 0 or (n % ARRANGED == 0 and not scheme.total):
+            arrange(scheme, grid, particles, nodes, strips, 0)
+        forces, recorded = scheme.schedule != USF or n == 0, histories.step[record] == n
+        step = Step(body, n - begin, n, dt, recorded, forces, n < last)
+        if to_grid(scheme, grid, particles, nodes, strips, 0, step) == FAILED:
             return LEFT_GRID, n, output
         join(grid, nodes.inertia, with_mass(0.0, zero))
         nodal_velocity(zero, nodes, strips, velocity, massless, 0.0, 0.0, added, 0, count)
@@ -147,30 +150,29 @@ def march_through(
         sums = velocity if turns else nodes.projected
         if len(series) > 0 and not turns:
             sums[:] = 0.0
-        refine(series, scheme, grid, particles, nodes, faces, strips, body, massless, velocity, sums, 0.0, added)
+        refine(series, scheme, grid, particles, nodes, faces, strips, massless, velocity, sums, 0.0, added)
         if not forces:
-            passed = strain_particles(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, forces)
+            passed = strain_particles(scheme, grid, particles, nodes, strips, 0, step)
             if passed == FAILED:
                 return INVERTED, n, output
             add_heat(strips, running)
         join(grid, nodes.internal, zero)
         join(grid, nodes.external, zero)
         load_faces(nodes, faces, n)
-        weigh(zero, nodes, nodal_body, load)
+        weigh(zero, nodes, nodal_body, n - begin)
         accelerate(zero, nodes, strips, velocity, massless, 0.0, 0.0, nothing, 0, count)
         hold_acceleration(grid, nodes, faces, n, dt)
         if turns:
             sums = nodes.acceleration
-            refine(series, scheme, grid, particles, nodes, faces, strips, body, massless, sums, sums, 1.0, added)
+            refine(series, scheme, grid, particles, nodes, faces, strips, massless, sums, sums, 1.0, added)
         recording = outputs.step[output] == n
         if recording:
             first, stop = strips.particles[0], strips.particles[-1]
             record_fields(scheme, grid, particles, nodes, outputs, output, n, dt, first, stop)
-        kick, step = leapfrog(n, dt)
-        kick_nodes(zero, nodes, strips, velocity, massless, kick, step, sums_at_nodes, 0, count)
+        kick, leap = leapfrog(n, dt)
+        kick_nodes(zero, nodes, strips, velocity, massless, kick, leap, sums_at_nodes, 0, count)
         add_up(zero, scheme, histories, record, running, added, sums_at_nodes, n, dt)
-        advance = n < last
-        passed = grid_to_particles(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, advance)
+        passed = grid_to_particles(scheme, grid, particles, nodes, strips, 0, step)
         if recorded:
             status = record_sums(zero, strips, histories, record, running)
             if status != COMPLETED:
@@ -182,32 +184,28 @@ def march_through(
         if scheme.schedule == USL:
             add_heat(strips, running)
         if scheme.schedule == MUSL:
-            if len(grid.kind) == 5:
-                clear(zero, nodes, strips, velocity, massless, 0.0, 0.0, nothing, 0, count)
-                to_grid(grid.kind, scheme, grid, particles, nodes, strips, body, load, n, dt, recorded, not forces)
+            fits_to_grid(scheme, grid, particles, nodes, strips, 0, Step(body, 0, n, dt, recorded, False, True))
             join(grid, nodes.inertia, with_mass(0.0, zero))
             nodal_velocity(zero, nodes, strips, nodes.projected, massless, 0.0, 0.0, added, 0, count)
             hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)
             if turns:
                 sums = nodes.projected
-                refine(series, scheme, grid, particles, nodes, faces, strips, body, massless, sums, sums, 0.0, added)
-            passed = strain_particles(scheme, grid, particles, nodes, strips, 0, body, load, n, dt, recorded, advance)
+                refine(series, scheme, grid, particles, nodes, faces, strips, massless, sums, sums, 0.0, added)
+            passed = strain_particles(scheme, grid, particles, nodes, strips, 0, step)
             add_heat(strips, running)
         if passed == FAILED:
             return INVERTED, n + 1, output
-        strayed = passed == STRAYED
+        if passed == STRAYED:
+            strips.sorted[0] = UNSORTED
     return COMPLETED, end, output
 
 
 def _assembled(name: str, passes: dict[str, Any], **options: bool) -> Any:
     """The loop with its passes; it allocates nothing, and to count references would take as long to compile as all passes."""
-    parts = {
-        one.__name__: compiled(one, passes, f"{one.__name__}_of_{name}", **WITHOUT_ENTRY, **options)
-        for one in (refine, to_grid)
-    }
-    return compiled(march_through, passes | parts, name, cache=True, no_cfunc_wrapper=True, **options)
+    series = compiled(refine, passes, f"refine_of_{name}", **WITHOUT_ENTRY, _nrt=False)
+    return compiled(march_through, passes | {"refine": series}, name, cache=True, no_cfunc_wrapper=True, _nrt=False, **options)
 
 
-march = _assembled("march", {}, _nrt=False)
+march = _assembled("march", IN_TURN)
 """In one thread, where there is one strip."""
 march_in_threads = _assembled("march_in_threads", IN_THREADS, nogil=True)

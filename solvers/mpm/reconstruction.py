@@ -11,14 +11,15 @@ Wobbes, Moller, Galavi and Vuik, 2019, doi:10.1002/nme.5956.
 """
 
 import math
+import operator
 from collections.abc import Mapping
+from functools import reduce
 
 import numpy as np
 
 from mpmverify.problem import Array, Traction
 
 from .basis import ONE, TLS, Axis, Basis
-from .compilation import jit
 from .deformation import force_columns
 from .fits import (
     COUNT,
@@ -35,14 +36,16 @@ from .fits import (
     solve,
     taylor,
 )
-from .lanes import total
+from .flow import Kept, each, either, walk, when
+from .lanes import largest, total
 from .memory import add_totals, row, rows
-from .state import FAILED, PASSED, Grid, Nodes, Particles, Scheme, Strips, columns_of
-from .stencil import Group, group, places, support
+from .state import FAILED, PASSED, Grid, Nodes, Particles, Scheme, Step, Strips, columns_of
+from .stencil import Group, cell_number, group, places, support
 from .tensors import det
 from .tracing import traced
 from .transfer import spread, spread_tensor
-from .vectors import Vector, null, scale, with_mass
+from .values import opposite, where
+from .vectors import null, scale, with_mass
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -63,23 +66,13 @@ def cells_of(axes: tuple[Axis, ...], basis: Basis, boundary: Mapping[str, object
 
 
 @traced
-def cell_number(grid: Grid, first) -> int:
-    """Number of the cell that is so far along the axes (d,), x fastest."""
-    number = first[-1]
-    for k in reversed(range(len(first) - 1)):
-        number = first[k] + grid.cells[k] * number
-    return number
-
-
-@jit
-def cell_along(grid: Grid, number: int, like: Vector):
+def cell_along(grid: Grid, number: int):
     """How far along the axes the cell of a number is (d,)."""
-    x, beyond = number % grid.cells[0], number // grid.cells[0]
-    if len(like) == 1:
-        return (x,)
-    if len(like) == 2:
-        return x, beyond
-    return x, beyond % grid.cells[1], beyond // grid.cells[1]
+    along = []
+    for cells in grid.cells[:-1]:
+        along.append(number % cells)
+        number = number // cells
+    return (*along, number)
 
 
 @traced
@@ -89,129 +82,94 @@ def add_products(cell: Array, first: int, stride: int, functions, values) -> Non
         add_totals(cell, first + stride * i, functions[i], values)
 
 
-@jit
-def add_to_cell(
-    width, scheme: Scheme, grid: Grid, particles: Particles, some: Group, cell: Array, body: Array, load: int, forces: bool
-) -> None:
+@traced
+def add_to_cell(scheme: Scheme, grid: Grid, particles: Particles, some: Group, cell: Array, step: Step) -> None:
     """Add to the sums of a cell what a group of its particles has, with what makes `forces` or without."""
     zero, tensor, symmetric = null(grid.lower)
     column, state, d = columns_of(zero), particles.state, len(zero)
     F, sigma = rows(state, some.numbers, column.F, tensor), rows(state, some.numbers, column.stress, symmetric)
     m, V0 = rows(state, some.numbers, column.mass, (0.0, 0.0))
-    V = V0 if scheme.total else V0 * det(F)
-    functions = taylor(width, some.offset)
+    V = where(scheme.total, V0, V0 * det(F))
+    functions = taylor(grid.width, some.offset)
     parts, there = parts_of(functions, zero), scale(some.present, functions)
     cell[COUNT] += total(some.present)
     add_products(cell, parts.products, parts.functions, there, functions)
     inertia = with_mass(m, rows(state, some.numbers, column.velocity, zero))
     add_totals(cell, SUMS, some.present, inertia)
     add_products(cell, parts.densities, parts.fields, scale(1 / V, there), inertia)
-    if forces and body.shape[0] > 0 and not scheme.nodal_body:
-        weight = scale(m, rows(body[load], places(particles, some.numbers), 0, zero))
+    with when(step.forces & (step.body.shape[0] > 0) & opposite(scheme.nodal_body)):
+        weight = scale(m, rows(step.body[step.load], places(particles, some.numbers), 0, zero))
         add_totals(cell, SUMS + 1 + d, some.present, weight)
         add_products(cell, parts.densities + 1 + d, parts.fields, scale(1 / V, there), weight)
-    if forces:
+    with when(step.forces):
         minus_stress = force_columns(scheme, V0 / V, sigma, F, zero)
         for k in range(d):
             add_products(cell, parts.densities + parts.conserved + d * k, parts.fields, there, minus_stress[k])
 
 
-@jit
-def fit_cells(
-    scheme: Scheme,
-    grid: Grid,
-    particles: Particles,
-    nodes: Nodes,
-    strips: Strips,
-    s: int,
-    body: Array,
-    load: int,
-    n: int,
-    dt: float,
-    record: bool,
-    advance: bool,
-) -> int:
+@traced
+def fit_cells(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step) -> int:
     """A pass over the particles that adds up what the fits of their cells need; FAILED when a particle is not on the grid."""
-    p, end = strips.particles[s], strips.particles[s + 1]
-    while p < end:
-        some = group(grid.kind, scheme, grid, particles, p, end)
-        if some.size == 0:
-            return FAILED
-        cell = nodes.cells[cell_number(grid, some.first)]
-        add_to_cell(grid.width, scheme, grid, particles, some, cell, body, load, advance)
-        p += some.size
-    return PASSED
+    passed, end = Kept(PASSED, s), strips.particles[s + 1]
+    with walk(strips.particles[s], end) as (p, go_on):
+        some = group(scheme, grid, particles, p, end)
+        with when(some.size > 0):
+            cell = nodes.cells[cell_number(grid, some.first)]
+            add_to_cell(scheme, grid, particles, some, cell, step)
+        passed.value = where(some.size > 0, passed.value, FAILED)
+        go_on(largest(some.size, 1))
+    return passed.value
 
 
-@jit
-def spread_cell(width, grid: Grid, nodes: Nodes, c: int, volume: float, forces: bool) -> None:
+@traced
+def spread_cell(grid: Grid, nodes: Nodes, c: int, volume: float, forces: bool) -> None:
     """Integrals of the fits of a cell with the functions of the grid and their gradients."""
     zero, tensor, _ = null(grid.lower)
-    d, first = len(zero), cell_along(grid, c, zero)
-    for number in range(len(gauss_points(width)[0]) ** d):
-        xi, weight = gauss_point(width, number, zero)
-        functions = scale(weight * volume, taylor(width, xi))
+    d, first = len(zero), cell_along(grid, c)
+    with each(0, len(gauss_points(grid.width)[0]) ** d, like=c) as number:
+        xi, weight = gauss_point(grid.width, number, zero)
+        functions = scale(weight * volume, taylor(grid.width, xi))
         parts = parts_of(functions, zero)
         at, B, stride = support(grid, first, xi, tensor), parts.densities, parts.fields
         spread(grid, nodes.inertia, 0, at, fitted(nodes.cells, c, B, stride, functions, with_mass(0.0, zero)))
-        if forces:
+        with when(forces):
             spread(grid, nodes.external, 0, at, fitted(nodes.cells, c, B + 1 + d, stride, functions, zero))
             minus_stress = fitted_columns(nodes.cells, c, B + parts.conserved, stride, functions, zero)
             spread_tensor(grid, nodes.internal, 0, at, minus_stress)
 
 
-@jit
+@traced
 def enclosed(grid: Grid, cells: Array, c: int) -> bool:
     """Whether there are particles in a cell and beyond all its faces, but for those at an end of the grid that is held."""
-    if cells[c, OPEN] > 0 or cells[c, COUNT] == 0:
-        return False
-    stride = 1
-    for k in range(len(grid.lower)):
-        count = grid.cells[k]
+    there, stride = (cells[c, OPEN] <= 0) & (cells[c, COUNT] > 0), 1
+    for count, periodic in zip(grid.cells, grid.periodic, strict=True):
         i = c // stride % count
-        below, above = c - stride if i > 0 else c, c + stride if i < count - 1 else c
-        if grid.periodic[k]:
-            below, above = c + stride * ((i - 1) % count - i), c + stride * ((i + 1) % count - i)
-        if cells[below, COUNT] == 0 or cells[above, COUNT] == 0:
-            return False
-        stride *= count
-    return True
+        below = where(i > 0, c - stride, where(periodic, c + stride * (count - 1), c))
+        above = where(i < count - 1, c + stride, where(periodic, c - stride * (count - 1), c))
+        there = there & (cells[below, COUNT] > 0) & (cells[above, COUNT] > 0)
+        stride = stride * count
+    return there
 
 
-@jit
-def spread_fits(
-    scheme: Scheme,
-    grid: Grid,
-    particles: Particles,
-    nodes: Nodes,
-    strips: Strips,
-    s: int,
-    body: Array,
-    load: int,
-    n: int,
-    dt: float,
-    record: bool,
-    advance: bool,
-) -> int:
-    """A pass over the cells of a strip: those that can be are fitted and give the grid mass, momentum and, to `advance`, forces.
+@traced
+def spread_fits(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step) -> int:
+    """A pass over the cells of a strip: those that can be are fitted and give the grid mass, momentum and, with `forces`, these.
 
     The sums are zero again afterwards. What stays is the number of particles, which other strips may yet ask for, and whether a cell
     is fitted, for the passes over the particles.
     """
-    zero, d, volume, row_of_cells = grid.lower, len(grid.lower), 1.0, 1
-    for k in range(d):
-        volume /= grid.scale
-        row_of_cells *= grid.cells[k] if k < d - 1 else 1
+    zero, d = grid.lower, len(grid.lower)
+    volume, row_of_cells = reduce(operator.truediv, (grid.scale,) * d, 1.0), reduce(operator.mul, grid.cells[:-1], 1)
     parts = parts_of(taylor(grid.width, zero), zero)
-    for c in range(strips.rows[s] * row_of_cells, strips.rows[s + 1] * row_of_cells):
+    with each(strips.rows[s] * row_of_cells, strips.rows[s + 1] * row_of_cells) as c:
         cell = nodes.cells[c]
-        determined = factor(cell, parts, d) if enclosed(grid, nodes.cells, c) else 0
-        cell[FITTED] = min(determined, 1)
-        if determined > 0:
+        determined = either(enclosed(grid, nodes.cells, c), lambda: factor(cell, parts, d), 0)
+        cell[FITTED] = where(determined > 0, 1.0, 0.0)
+        with when(determined > 0):
             solve(cell, parts, determined, volume)
             keep_positive(cell, parts)
-            spread_cell(grid.width, grid, nodes, c, volume, advance)
-        for k in range(SUMS, cell.size):
+            spread_cell(grid, nodes, c, volume, step.forces)
+        with each(SUMS, cell.shape[0]) as k:
             cell[k] = 0.0
     return PASSED
 

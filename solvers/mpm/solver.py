@@ -5,6 +5,7 @@ import time
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 
 from mpmverify.errors import UsageError
@@ -16,9 +17,9 @@ from .acceptance import check
 from .basis import BASES, CPDI, GIMP, MLS, TLS, Axis, basis_axis
 from .constitution import LAWS, LINEAR_ELASTIC, constitution
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
-from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSORTED, UNSTABLE, by_component, no_histories
+from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSTABLE, by_component, no_histories
 from .layout import REGULAR, Layout, place_particles
-from .order import sort, strips
+from .order import strips
 from .reconstruction import cells_of
 from .state import Grid, Nodes, Outputs, Particles, Scheme, Strips, columns_of, grid_of, nodal
 from .transfers import FLIP, Transfer
@@ -190,7 +191,7 @@ class MaterialPoint:
             particles,
             self._nodes(axes, problem),
             tabulate_faces(problem, axes, discretisation.h, steps, dt),
-            self._strips(problem, discretisation, grid, count),
+            self._strips(problem, discretisation, grid, particles),
         )
         step = output_steps(steps, problem.outputs)
         times = np.arange(steps + 1, dtype=np.float64) * dt
@@ -201,27 +202,21 @@ class MaterialPoint:
         running = np.concatenate([[0.0, 0.0, 0.5 * particles.mass.sum() * top_speed**2, 0.0], np.zeros(dimension)])
         record = (outputs, histories, running, dt)
         march = loop.march_in_threads if count >= MANY else loop.march
+        numba.get_num_threads()  # starts the threads, which compiled code does not
         march(*state, *record, np.zeros((0, 0, 0)), 0, 0, 0)  # compiles, takes no pass
-        divided = state[5].passed.size > 1
-        on_grid = not divided or sort(*state[:3], state[5])
 
         started = time.perf_counter()
         points = node_positions(axes) if self.body_force_at == "nodes" else reference
         spatial = isinstance(problem.body_force, Spatial)
         block = 1 if spatial else max(1, BLOCK // points.size) if problem.body_force else steps + 1
-        code, done, kept = COMPLETED if on_grid else LEFT_GRID, 0, 0
+        code, done, kept = COMPLETED, 0, 0
         while code == COMPLETED and done <= steps:
             end = min(done + block, steps + 1)
             if spatial:
                 points = np.empty_like(reference)
                 points[particles.place] = particles.position
             body = tabulate_body_force(problem.body_force, points, times[done:end])
-            begin, code = done, UNSORTED
-            while code == UNSORTED:
-                if divided and not sort(*state[:3], state[5]):
-                    code = LEFT_GRID
-                    break
-                code, done, kept = march(*state, *record, body[done - begin :], done, end, kept)
+            code, done, kept = march(*state, *record, body, done, end, kept)
         seconds = time.perf_counter() - started
 
         causes = {INVERTED: "; a particle's deformation gradient reached zero"}
@@ -275,11 +270,11 @@ class MaterialPoint:
         values = [nodal(n, count) for n in (1 + d, *[d] * 6)]
         return Nodes(*[*values, cells_of(axes, BASES[self.basis], problem.boundary)])
 
-    def _strips(self, problem: Problem, at: Discretisation, grid: Grid, count: int) -> Strips:
-        rows, moving = at.cells(problem)[-1], self.formulation == "updated"
+    def _strips(self, problem: Problem, at: Discretisation, grid: Grid, particles: Particles) -> Strips:
+        many, moving = particles.place.size >= MANY, self.formulation == "updated"
         lanes = 2 if len(grid.width) == 2 else 4
         reach = {GIMP: lanes + 1, CPDI: lanes + 2}.get(grid.kind, lanes)  # a domain begins before the cell of its particle
-        return strips(grid.lower[-1], at.h, rows, reach, count, moving, grid.stride[-1], count >= MANY)
+        return strips(grid.lower[-1], at.h, at.cells(problem), reach, particles, moving, grid.stride[-1], many)
 
     def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:
         """Lay the particles out in the initial state of the body."""

@@ -16,6 +16,8 @@ from .vectors import Vector
 Integers = NDArray[np.int64]
 FAILED, STRAYED, PASSED = range(3)
 """What a pass says of its particles."""
+UNSORTED = -1
+"""In the place of the step of the last sorting: the particles are to be sorted before the next."""
 KINETIC, STRAIN, HEAT, MOMENTUM = range(4)
 """Columns of the sums of a pass; the momentum takes one for each direction, and then comes the angular momentum."""
 
@@ -205,7 +207,9 @@ class Strips(NamedTuple):
     First particle of each strip and the number of particles (S + 1,), first row of cells of each strip and the number of rows
     (S + 1,), how far its particles may go before they are sorted again (S, 2) [m], what the passes say of each strip (S,) and the
     sums that they leave; those that passes over as many parts of the nodes leave (S, 8), a cache line each, and two sums
-    of these (2, 8). The first nodes of the particles (P,), and how many of a strip have each (S, C), for `arrange`.
+    of these (2, 8). The first nodes or the cells of the particles (P,); how many of a strip have each (S, C), for `arrange`; how many
+    particles are in the cells before each (C + 1,) and room for a state (K,), for `sort`; the step of the last sorting, and how
+    many there were (2,).
     """
 
     particles: Integers
@@ -217,6 +221,25 @@ class Strips(NamedTuple):
     total: Array
     node: NDArray[np.int32]
     shares: Integers
+    start: Integers
+    spare: Array
+    sorted: Integers
+
+
+class Step(NamedTuple):
+    """What the passes of a step are told.
+
+    A block of body forces (N, P, d) in the order of the problem or (N, n, d) at nodes [m/s^2], empty for none, and which of it this
+    step is on; the step n and dt [s]; whether to record, whether particles bring forces to the grid, and whether to go on to t^{n+1}.
+    """
+
+    body: Array
+    load: int
+    n: int
+    dt: float
+    record: bool
+    forces: bool
+    advance: bool
 
 
 class Outputs(NamedTuple):

@@ -10,14 +10,14 @@ import operator
 from functools import reduce
 from typing import NamedTuple
 
-from .basis import CPDI, GIMP, LONGEST, MLS, ONE, SHORTEST, along, integrated_along, moment_along
-from .compilation import jit
-from .lanes import floor, lanes, largest, least, repeated, split, whole
+from .basis import CPDI, GIMP, LONGEST, MLS, SHORTEST, along, integrated_along, moment_along
+from .flow import either
+from .lanes import built, floor, largest, least, repeated, split, whole
 from .memory import row, rows
 from .state import Grid, Particles, Scheme, columns_of
 from .tensors import cofactor, det
 from .tracing import traced
-from .values import where
+from .values import COUNT, where
 from .vectors import Vector, axpy, dot, identity, null, scale
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -38,15 +38,17 @@ class Group(NamedTuple):
     offset: tuple[float, ...]
 
 
-@jit
+@traced
 def place(scheme: Scheme, grid: Grid, particles: Particles, p: int) -> Vector:
     """Where the functions of a particle are evaluated, in cells from the lower ends (d,).
 
     At X in the total Lagrangian formulation, else at x.
     """
-    x = row(particles.state, (p, 0), grid.lower)
-    if scheme.total:
-        x = row(particles.reference, (row(particles.place, (p,), ONE)[0], 0), grid.lower)
+    x = either(
+        scheme.total,
+        lambda: row(particles.reference, (particles.place[p], 0), grid.lower),
+        lambda: row(particles.state, (p, 0), grid.lower),
+    )
     return local(grid, x)
 
 
@@ -125,7 +127,7 @@ def begins(grid: Grid, s: Vector, F):
     return tuple(first for first, _ in along_axes), tuple(offset for _, offset in along_axes)
 
 
-@jit
+@traced
 def found(scheme: Scheme, grid: Grid, particles: Particles, p: int):
     """Whether a particle is on the grid, and what `begins` says of it."""
     s = place(scheme, grid, particles, p)
@@ -137,31 +139,35 @@ def found(scheme: Scheme, grid: Grid, particles: Particles, p: int):
 @traced
 def places(particles: Particles, which):
     """Places of particles in the order of the problem, by their numbers (1,) or (4,)."""
-    return tuple(row(particles.place, (number,), ONE)[0] for number in which)
+    return tuple(particles.place[number] for number in which)
 
 
-@jit
-def group(kind, scheme: Scheme, grid: Grid, particles: Particles, p: int, end: int):
+@traced
+def group(scheme: Scheme, grid: Grid, particles: Particles, p: int, end: int) -> Group:
     """The particles from place p of the order on, before `end`, that one stencil serves."""
     order, last = particles.order, end - 1
     q = order[p]
-    if len(kind) == 3:
+    if len(grid.kind) == len(CPDI):
         here, first, middle = found(scheme, grid, particles, q)
-        return Group(here * 1, (q,), 1.0, first, middle)
-    which = (q, order[min(p + 1, last)], order[min(p + 2, last)], order[min(p + 3, last)])
-    x = rows(particles.state, which, 0, grid.lower)
-    if scheme.total:
-        x = rows(particles.reference, places(particles, which), 0, grid.lower)
+        return Group(where(here, 1, 0), (q,), 1.0, first, middle)
+    which = q, *(order[least(p + k, last)] for k in range(1, COUNT))
+    x = either(
+        scheme.total,
+        lambda: rows(particles.reference, places(particles, which), 0, grid.lower),
+        lambda: rows(particles.state, which, 0, grid.lower),
+    )
     s = scale(grid.scale, axpy(-1.0, grid.lower, x))
     F = domain(grid, rows(particles.state, which, columns_of(grid.lower).F, null(grid.lower)[1]))
     offset, first, alike = split(axpy(1.0, ends(grid, F, s), s), s, grid.cells)
-    count = min(alike, end - p)
-    if alike == 0:  # outside, or on the edge of the grid
+
+    def outside_or_on_the_edge():
         here, first, alone = found(scheme, grid, particles, q)
-        count, offset = here * 1, axpy(1.0, alone, scale(0.0, s))
-    second, third, fourth = which[1] if count > 1 else q, which[2] if count > 2 else q, which[3] if count > 3 else q
-    present = lanes((1.0, 1.0 * (count > 1), 1.0 * (count > 2), 1.0 * (count > 3)))
-    return Group(count, (q, second, third, fourth), present, first, repeated(offset, present))
+        return where(here, 1, 0), first, axpy(1.0, alone, scale(0.0, s))
+
+    count, first, offset = either(alike > 0, (least(alike, end - p), first, offset), outside_or_on_the_edge)
+    numbers = q, *(where(count > k, which[k], q) for k in range(1, COUNT))
+    present = built((1.0, *(where(count > k, 1.0, 0.0) for k in range(1, COUNT))))
+    return Group(count, numbers, present, first, repeated(offset, present))
 
 
 @traced
@@ -182,6 +188,15 @@ def functions(grid: Grid, k: int, first: int, offset, stretch):
 def node_of(grid: Grid, first) -> int:
     """Number of the node that is the first along all axes (d,)."""
     return dot(first, (1, *grid.stride[1:]))
+
+
+@traced
+def cell_number(grid: Grid, first) -> int:
+    """Number of the cell that is so far along the axes (d,), x fastest."""
+    number = first[-1]
+    for k in reversed(range(len(first) - 1)):
+        number = first[k] + grid.cells[k] * number
+    return number
 
 
 @traced

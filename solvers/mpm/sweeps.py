@@ -1,123 +1,101 @@
-"""Passes over all particles and over all nodes in threads: their parts do not depend on how many there are."""
+"""The passes of a step as the time loop calls them: in one thread, or over strips of particles and parts of the nodes in several.
 
+What is worked on in threads does not depend on how many there are.
+"""
+
+from functools import wraps
 from typing import Any
 
-from numba import prange
-
-from mpmverify.problem import Array
-
-from .compilation import WITHOUT_ENTRY, compiled
-from .constitution import Constants
+from .basis import TLS
+from .fits import COUNT
+from .flow import each
 from .grid import accelerate, clear, kick_nodes, nodal_velocity
-from .order import arrange
+from .order import arrange, no_sort, sort
+from .outline import in_threads, once
 from .passes import grid_to_particles, particles_to_grid, smooth, strain_particles
 from .reconstruction import fit_cells, spread_fits
-from .state import PASSED, Grid, Nodes, Particles, Scheme, Strips
-from .vectors import Vector
+from .state import PASSED
+from .tracing import traced
+from .values import where
 
-OF_PARTICLES: tuple[Any, ...] = (
-    particles_to_grid,
-    grid_to_particles,
-    strain_particles,
-    smooth,
-    arrange,
-    fit_cells,
-    spread_fits,
-)
-OF_NODES: tuple[Any, ...] = (clear, nodal_velocity, accelerate, kick_nodes)
+# What is a number or lanes, or an array of compiled code, has no annotation.
+# mypy: disable-error-code="no-untyped-def"
 
 
-def _over_strips(
-    scheme: Scheme,
-    grid: Grid,
-    particles: Particles,
-    nodes: Nodes,
-    strips: Strips,
-    s: int,
-    body: Array,
-    load: int,
-    n: int,
-    dt: float,
-    record: bool,
-    advance: bool,
-) -> int:
-    """One pass over all strips from s on, those of one colour at the same time; the worst of what it says of them.
+def _over_strips(one: Any) -> Any:
+    """A pass over all strips, those of one colour at the same time; the worst of what it says of them."""
 
-    Notes
-    -----
-    A loop in threads takes arrays and flat tuples: what is nested is taken apart before and put together in it.
-    """
-    (schedule, affine, flip, series, terms, full_mass, total, nodal_body, law, constants) = scheme
-    lame, shear, time = constants
-    (lower, scale, cells, periodic, stride, width, padding, piece, polynomials, places, ghosts, basis, half, stretched) = grid
-    said, count = strips.passed, strips.passed.size
-    for colour in range(2):
-        for k in prange((count + 1 - colour) // 2):
-            choices = Scheme(
-                schedule, affine, flip, series, terms, full_mass, total, nodal_body, law, Constants(lame, shear, time)
-            )
-            space = Grid(
-                lower,
-                scale,
-                cells,
-                periodic,
-                stride,
-                width,
-                padding,
-                piece,
-                polynomials,
-                places,
-                ghosts,
-                basis,
-                half,
-                stretched,
-            )
-            number = s + 2 * k + colour
-            passed = one_pass(choices, space, particles, nodes, strips, number, body, load, n, dt, record, advance)
-            said[number] = passed
-    worst = PASSED
-    for number in range(count):
-        worst = min(worst, said[number])
-    return worst
+    @wraps(one)
+    def over_strips(scheme, grid, particles, nodes, strips, s, *step):
+        passed = strips.passed
+        count = passed.shape[0]
+        with each(0, where(count > 1, 2, 1)) as colour:
+            shared = colour, scheme, grid, particles, nodes, strips, *step
+            with in_threads((count + 1 - colour) // 2, shared) as (k, there):
+                of_strip(k, *there)
+        with each(1, count) as s:
+            passed[0] = where(passed[s] < passed[0], passed[s], passed[0])
+        return passed[0]
+
+    def of_strip(k, colour, scheme, grid, particles, nodes, strips, *step):
+        s = 2 * k + colour
+        strips.passed[s] = one(scheme, grid, particles, nodes, strips, s, *step)
+
+    return traced(over_strips)
 
 
-def _over_parts(
-    zero: Vector,
-    nodes: Nodes,
-    strips: Strips,
-    velocity: Array,
-    massless: float,
-    kick: float,
-    step: float,
-    sums: Array,
-    begin: int,
-    end: int,
-) -> None:
-    """One pass over the nodes in as many parts as there are strips, and the sum of what the parts leave."""
-    parts = strips.nodal.shape[0]
-    for k in prange(parts):
-        first, stop = begin + (end - begin) * k // parts, begin + (end - begin) * (k + 1) // parts
-        one_pass(zero, nodes, strips, velocity, massless, kick, step, strips.nodal[k], first, stop)
-    for c in range(sums.size):
-        sums[c] = 0.0
-        for k in range(parts):
-            sums[c] += strips.nodal[k, c]
+def _over_parts(one: Any) -> Any:
+    """A pass over the nodes in as many parts as there are strips, and the sum of what the parts leave."""
+
+    @wraps(one)
+    def over_parts(zero, nodes, strips, velocity, massless, kick, leap, sums, begin, end):
+        parts = strips.nodal.shape[0]
+        with in_threads(parts, (zero, nodes, strips, velocity, massless, kick, leap, begin, end)) as (k, there):
+            of_part(k, *there)
+        with each(0, sums.shape[0]) as c:
+            sums[c] = 0.0
+            with each(0, parts) as k:
+                sums[c] += strips.nodal[k, c]
+
+    def of_part(k, zero, nodes, strips, velocity, massless, kick, leap, begin, end):
+        parts, count = strips.nodal.shape[0], end - begin
+        first, last = begin + count * k // parts, begin + count * (k + 1) // parts
+        one(zero, nodes, strips, velocity, massless, kick, leap, strips.nodal[k], first, last)
+
+    return traced(over_parts)
 
 
-one_pass: Any = None
-"""In a loop over strips or parts the pass that it is compiled for."""
+def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
+    """Passes by name, with those that together bring particles to the grid, and these again for bases that fit what they have."""
+    passes = {one.__name__: one for one in of_particles + of_nodes}
+
+    def all_to_grid(scheme, grid, particles, nodes, strips, *step) -> int:
+        passes["clear"](grid.lower, nodes, strips, nodes.velocity, 0.0, 0.0, 0.0, strips.total[0], 0, nodes.inertia.shape[1])
+        if len(grid.kind) == len(TLS):
+            with each(0, nodes.cells.shape[0]) as c:
+                nodes.cells[c, COUNT] = 0.0
+            passes["fit_cells"](scheme, grid, particles, nodes, strips, *step)
+            passes["spread_fits"](scheme, grid, particles, nodes, strips, *step)
+        return passes["particles_to_grid"](scheme, grid, particles, nodes, strips, *step)
+
+    twice = once(all_to_grid)
+
+    def to_grid(scheme, grid, *rest) -> int:
+        return twice(scheme, grid, *rest) if len(grid.kind) == len(TLS) else all_to_grid(scheme, grid, *rest)
+
+    def fits_to_grid(scheme, grid, *rest) -> int:
+        return twice(scheme, grid, *rest) if len(grid.kind) == len(TLS) else PASSED
+
+    again = {"to_grid": traced(to_grid), "fits_to_grid": traced(fits_to_grid)}
+    return passes | again | {"strain_particles": once(passes["strain_particles"])}
 
 
-def name_of(one: Any) -> str:
-    """Name of a function, compiled or traced."""
-    return str(getattr(one, "py_func", one).__name__)
-
-
-def _in_threads(over: Any, one: Any) -> Any:
-    return compiled(over, {"one_pass": one}, f"{over.__name__}_{name_of(one)}", **WITHOUT_ENTRY, parallel=True)
-
-
-IN_THREADS = {name_of(one): _in_threads(_over_strips, one) for one in OF_PARTICLES} | {
-    name_of(one): _in_threads(_over_parts, one) for one in OF_NODES
+OF_PARTICLES = [particles_to_grid, grid_to_particles, strain_particles, smooth, arrange, fit_cells, spread_fits]
+OF_NODES = [clear, nodal_velocity, accelerate, kick_nodes]
+IN_TURN = _with_grid(OF_PARTICLES, OF_NODES) | {"sort": no_sort}
+"""What the loop calls, in one thread and over one strip."""
+IN_THREADS = _with_grid([_over_strips(one) for one in OF_PARTICLES], [_over_parts(one) for one in OF_NODES]) | {
+    "sort": once(sort)
 }
-"""The passes by name."""
+"""The same over several."""
+to_grid, fits_to_grid = IN_TURN["to_grid"], IN_TURN["fits_to_grid"]

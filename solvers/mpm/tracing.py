@@ -6,19 +6,23 @@ would take a tenth of a second for a function of its own. Where there are neithe
 """
 
 from collections.abc import Callable
+from math import nan
 from typing import Any, TypeVar
 
 from llvmlite import ir
 from numba.core import cgutils, types
+from numba.core.dispatcher import Dispatcher
 from numba.core.registry import cpu_target
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import lower_builtin
 
-from .values import KINDS, LANES, VECTOR, Memory, Value, code_of, loaded, rank
+from .values import KINDS, LANES, VECTOR, Memory, Value, code_of, loaded, rank, where
 
 F = TypeVar("F", bound=Callable[..., Any])
 Tuples: Any = types.BaseTuple
 NamedTuples: Any = types.BaseNamedTuple
+DECLARED: dict[Any, types.Type] = {None: types.none, int: types.intp, bool: types.boolean}
+"""What an annotation says of what a traced function returns."""
 
 
 def wrapped(context: Any, builder: ir.IRBuilder, kind: Any, code: ir.Value) -> Any:
@@ -28,7 +32,11 @@ def wrapped(context: Any, builder: ir.IRBuilder, kind: Any, code: ir.Value) -> A
         items = [wrapped(context, builder, *part) for part in parts]
         return kind.instance_class(*items) if isinstance(kind, NamedTuples) else tuple(items)
     if isinstance(kind, types.Array):
-        return Memory(context, builder, kind, code)
+        if kind.layout != "C":
+            raise TypeError(f"{kind} may have gaps")
+        model = context.data_model_manager[kind]
+        data, shape = (builder.extract_value(code, model.get_field_position(name)) for name in ("data", "shape"))
+        return Memory(context, builder, kind, data, cgutils.unpack_tuple(builder, shape))
     return None if kind == types.none else Value(builder, loaded(context, builder, kind, code))
 
 
@@ -58,16 +66,20 @@ def unwrapped(context: Any, builder: ir.IRBuilder, kind: Any, found: Any) -> ir.
 def traced(function: F) -> F:
     """Compile calls of a function by calling it; compiled functions call it, and other traced ones, and Python."""
     known: dict[tuple[types.Type, ...], types.Type] = {}
+    declared = DECLARED.get(function.__annotations__.get("return", ...))
 
     def returned(args: tuple[types.Type, ...]) -> types.Type:
-        """What the function returns, which is found by writing code that is thrown away."""
+        """What the function returns, which unless it says so is found by writing code that is thrown away."""
+        if declared is not None:
+            return declared
         if args not in known:
             context = cpu_target.target_context
             nowhere = ir.FunctionType(ir.VoidType(), [context.get_value_type(arg) for arg in args])
             body = ir.Function(ir.Module(), nowhere, "nowhere")
             builder = ir.IRBuilder(body.append_basic_block())
             items = [wrapped(context, builder, *part) for part in zip(args, body.args, strict=True)]
-            known[args] = kind_of(function(*items))
+            with context.push_code_library(context.codegen().create_library("nowhere")):
+                known[args] = kind_of(function(*items))
         return known[args]
 
     class Typed(AbstractTemplate):
@@ -85,3 +97,24 @@ def traced(function: F) -> F:
         return unwrapped(context, builder, sig.return_type, function(*items))
 
     return function
+
+
+def called(one: Any, *args: Any) -> Any:
+    """What a function returns to a traced one; it may be one that numba compiles, and returns NaN where it raises."""
+    if not isinstance(one, Dispatcher):
+        return one(*args)
+    context, builder, kinds = cpu_target.target_context, builder_of(args), tuple(kind_of(x) for x in args)
+    sig: Any = types.Dispatcher(one).get_call_type(cpu_target.typing_context, kinds, {})
+    compiled: Any = one.get_compile_result(sig)
+    context.add_linking_libs([compiled.library])
+    code = [unwrapped(context, builder, kind, x) for kind, x in zip(kinds, args, strict=True)]
+    status, found = context.call_internal_no_propagate(builder, compiled.fndesc, sig, code)
+    raised, values = Value(builder, status.is_error), wrapped(context, builder, sig.return_type, found)
+    return tuple(where(raised, nan, x) for x in values) if isinstance(values, tuple) else where(raised, nan, values)
+
+
+def builder_of(args: Any) -> Any:
+    """What writes the code of a value among some."""
+    if not isinstance(args, tuple):
+        return getattr(args, "builder", None)
+    return next((found for found in map(builder_of, args) if found is not None), None)

@@ -1,13 +1,11 @@
 """What stands for numbers of compiled code, and for its arrays, while a traced function is called: to compute with it writes the code."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import models, register_model
-from numba.np.arrayobj import make_array
 
 COUNT = 4
 """Lanes of a register."""
@@ -74,12 +72,19 @@ class Value:
     def __rmul__(self, x: Any) -> "Value":
         return self._operated("mul", x, self)
 
-    def __mod__(self, y: int) -> "Value":
-        """Remainder of a whole number that is not negative."""
+    def _divided(self, instruction: str, y: Any) -> "Value":
         a, b = alike(self.builder, self, y)
         if a.type != WHOLE:
-            raise TypeError("only whole numbers have a remainder")
-        return Value(self.builder, self.builder.urem(a, b))
+            raise TypeError("only whole numbers have a whole quotient and a remainder")
+        return Value(self.builder, getattr(self.builder, instruction)(a, b))
+
+    def __mod__(self, y: Any) -> "Value":
+        """Remainder of a whole number that is not negative."""
+        return self._divided("urem", y)
+
+    def __floordiv__(self, y: Any) -> "Value":
+        """Whole quotient of a whole number that is not negative."""
+        return self._divided("udiv", y)
 
     def __truediv__(self, y: Any) -> "Value":
         return self._operated("div", real(self), y)
@@ -115,15 +120,6 @@ class Value:
         raise TypeError("values are not compared by ==, which Python would take for their identity: see `where`")
 
 
-@contextmanager
-def each(begin: Any, end: Any, step: int = 1) -> Iterator[Any]:
-    """A loop of compiled code over begin <= i < end; what is within writes its body, and leaves nothing but what it stores."""
-    (builder, *_) = (x.builder for x in (begin, end) if isinstance(x, Value))
-    first, last, by = (code_of(builder, x, WHOLE) for x in (begin, end, step))
-    with cgutils.for_range_slice(builder, first, last, by) as (i, _):
-        yield Value(builder, i)
-
-
 class Four:
     """Index of as many in a row as a register has lanes, from one on."""
 
@@ -132,28 +128,27 @@ class Four:
 
 
 class Memory:
-    """An array of compiled code; only a number of Python as an index may count from the end, which costs no test."""
+    """An array of compiled code, or a part of one, without gaps; only a number of Python as an index may count from the end."""
 
-    def __init__(self, context: Any, builder: ir.IRBuilder, kind: types.Array, code: ir.Value) -> None:
-        self.context, self.builder, self.kind, self.code = context, builder, kind, code
-
-    @property
-    def shape(self) -> tuple[Value, ...]:
-        struct = make_array(self.kind)(self.context, self.builder, self.code)
-        return tuple(Value(self.builder, code) for code in cgutils.unpack_tuple(self.builder, struct.shape))
+    def __init__(
+        self, context: Any, builder: ir.IRBuilder, kind: types.Array, data: ir.Value, shape: Sequence[ir.Value]
+    ) -> None:
+        self.context, self.builder, self.kind, self.data = context, builder, kind, data
+        self.shape = tuple(Value(builder, length) for length in shape)
 
     def address(self, *index: Any) -> ir.Value:
         """Address of what is stored from an index on."""
-        struct = make_array(self.kind)(self.context, self.builder, self.code)
-        shape, strides = (cgutils.unpack_tuple(self.builder, part) for part in (struct.shape, struct.strides))
-        from_end = [
-            Value(self.builder, n) + k if isinstance(k, int) and k < 0 else k for k, n in zip(index, shape, strict=False)
-        ]
-        at = [code_of(self.builder, k, WHOLE) for k in from_end]
-        return cgutils.get_item_pointer2(self.context, self.builder, struct.data, shape, strides, "C", at)
+        place: Any = 0
+        for axis, length in enumerate(self.shape):
+            k = index[axis] if axis < len(index) else 0
+            place = place * length + (length + k if isinstance(k, int) and k < 0 else k)
+        return beyond(self.builder, self.data, place)
 
-    def __getitem__(self, index: Any) -> Value:
+    def __getitem__(self, index: Any) -> Any:
         *before, last = index if isinstance(index, tuple) else (index,)
+        if len(before) + 1 < len(self.shape):
+            lengths = [length.code for length in self.shape[len(before) + 1 :]]
+            return Memory(self.context, self.builder, self.kind, self.address(*before, last), lengths)
         if isinstance(last, Four):
             return Value(self.builder, self.together(self.address(*before, last.first), VECTOR))
         return self.load(self.address(*before, last), 0)
@@ -171,9 +166,14 @@ class Memory:
         return Value(self.builder, loaded(self.context, self.builder, self.kind.dtype, found))
 
     def store(self, address: ir.Value, k: int, x: Any) -> None:
-        """Write a double as the k-th from an address on; TypeError unless it may be."""
-        self._of_doubles(written=True)
-        self.builder.store(code_of(self.builder, x, DOUBLE), beyond(self.builder, address, k))
+        """Write a number as the k-th from an address on; TypeError unless it may be."""
+        kind = self.kind.dtype
+        if isinstance(kind, types.Integer) and self.kind.mutable and rank(x) == 1:
+            code = self.context.cast(self.builder, code_of(self.builder, x, WHOLE), types.intp, kind)
+        else:
+            self._of_doubles(written=True)
+            code = code_of(self.builder, x, DOUBLE)
+        self.builder.store(code, beyond(self.builder, address, k))
 
     def together(self, address: ir.Value, kind: ir.VectorType) -> ir.Value:
         """The doubles from an address on, as many as fill a vector; TypeError where there are none."""
@@ -214,9 +214,11 @@ def shuffled(builder: ir.IRBuilder, a: ir.Value, b: ir.Value, numbers: list[int]
 
 
 def code_of(builder: ir.IRBuilder, x: Any, kind: ir.Type) -> ir.Value:
-    """A number or a value as code of a kind that can hold it."""
+    """A number or a value as code of a kind that can hold it; TypeError for a value of another function."""
     if not isinstance(x, Value):
-        return splat(builder, ir.Constant(DOUBLE, float(x))) if kind == VECTOR else ir.Constant(kind, x)
+        return ir.Constant(kind, [float(x)] * COUNT if kind == VECTOR else x)
+    if x.builder.function is not builder.function:
+        raise TypeError("a value of another function: what runs in threads sees what is shared alone")
     code = x.code
     if code.type == WHOLE and kind in (DOUBLE, VECTOR):
         code = builder.sitofp(code, DOUBLE)
@@ -242,14 +244,49 @@ def real(x: Any) -> Any:
 
 
 def where(truth: Any, a: Any, b: Any) -> Any:
-    """The first where something is true, else the second: numbers, values, or tuples of these, of which both are computed."""
+    """The first where something is true, else the second: arrays of one kind, numbers, values, or tuples, of which both are computed."""
     if not isinstance(truth, Value):
         return a if truth else b
     if isinstance(a, tuple):
         return tuple(where(truth, x, y) for x, y in zip(a, b, strict=True))
     if a is b:
         return a
+    if isinstance(a, Memory):
+        data = a.builder.select(truth.code, a.data, b.data)
+        lengths = [where(truth, x, y).code for x, y in zip(a.shape, b.shape, strict=True)]
+        return Memory(a.context, a.builder, a.kind, data, lengths)
     x, y = alike(truth.builder, a, b)
     if isinstance(truth.code.type, ir.VectorType):
         x, y = (code_of(truth.builder, Value(truth.builder, code), VECTOR) for code in (x, y))
     return Value(truth.builder, truth.builder.select(truth.code, x, y))
+
+
+def equal(a: Any, b: Any) -> Any:
+    """Whether two whole numbers are equal."""
+    if not isinstance(a, Value):
+        return a == b
+    return Value(a.builder, a.builder.icmp_signed("==", *alike(a.builder, a, b)))
+
+
+def opposite(truth: Any) -> Any:
+    """Whether something is not true."""
+    return where(truth, False, True)
+
+
+def leaves(found: Any) -> list[ir.Value]:
+    """The code that values, arrays and tuples of these are made of."""
+    if isinstance(found, tuple):
+        return [code for item in found for code in leaves(item)]
+    if isinstance(found, Memory):
+        return [found.data, *(length.code for length in found.shape)]
+    return [found.code] if isinstance(found, Value) else []
+
+
+def rebuilt(found: Any, builder: ir.IRBuilder, codes: Iterator[ir.Value]) -> Any:
+    """The same made of other code."""
+    if isinstance(found, tuple):
+        items = [rebuilt(item, builder, codes) for item in found]
+        return type(found)(*items) if hasattr(found, "_fields") else tuple(items)
+    if isinstance(found, Memory):
+        return Memory(found.context, builder, found.kind, next(codes), [next(codes) for _ in found.shape])
+    return Value(builder, next(codes)) if isinstance(found, Value) else found

@@ -1,0 +1,34 @@
+"""What stands before a statement to find out whether a trial comes to it."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+
+def trip(names: Mapping[str, object]) -> None:
+    """Spoil an array among what a traced function of the material point method has at hand, when compiled code comes to where it is
+    written.
+
+    Raises
+    ------
+    ArithmeticError
+        If there is none, at once.
+    """
+    spoilt = 0
+    for array in _arrays(list(names.values())):
+        some = array.shape[0] > 0
+        for length in array.shape[1:]:
+            some = some & (length > 0)
+        with array.builder.if_then(some.code):
+            array.store(array.address(0), 0, float("nan"))
+        spoilt += 1
+    if not spoilt:
+        raise ArithmeticError
+
+
+def _arrays(found: Any) -> Iterator[Any]:
+    """The arrays of doubles that may be written to; whose class is not known here: each planted copy of the sources has its own."""
+    if isinstance(found, list | tuple):
+        for item in found:
+            yield from _arrays(item)
+    elif hasattr(found, "store_together") and found.kind.mutable and str(found.kind.dtype) == "float64":
+        yield found

@@ -1,0 +1,173 @@
+"""Loops and branches of traced functions, and what these write beside their own code: for several calls, or for threads."""
+
+import numba
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numba import njit
+from numba.core.errors import TypingError
+
+from mpmverify.solvers.mpm.flow import Kept, as_long_as, each, either, walk, when
+from mpmverify.solvers.mpm.outline import in_threads, once
+from mpmverify.solvers.mpm.tracing import called, traced
+from mpmverify.solvers.mpm.values import equal, opposite, where
+
+whole_numbers = st.integers(-20, 20)
+
+
+@traced
+def collatz(n):
+    steps, at = Kept(0, n), Kept(n)
+    with as_long_as(n.builder, lambda: at.value > 1):
+        at.value = either(equal(at.value % 2, 0), lambda: at.value // 2, lambda: 3 * at.value + 1)
+        steps.value += 1
+    return steps.value
+
+
+@traced
+def strides(begin, end, length, visited):
+    with walk(begin, end) as (p, go_on):
+        visited[p] = visited[p] + 1
+        with when(opposite(p < length)):
+            visited[p] = -1
+        go_on(length)
+
+
+@traced
+def of_numbers_of_python(x):
+    total = Kept(0.0, x[0])
+    with each(0, 3, like=x) as i, each(0, 2, like=x) as _:
+        total.value += x[i]
+    return total.value
+
+
+@traced
+def merged(x, n):
+    return either(x > 0, lambda: (x * 2, (n + 1, True), 1), (1.5, (7, x < -1), 2.5))
+
+
+def test_a_loop_goes_on_as_long_as_it_should():
+    count = njit(lambda n: collatz(n))
+    assert [count(n) for n in (1, 2, 3, 6, 7, 27)] == [0, 1, 7, 8, 16, 111]
+
+
+@given(st.integers(0, 9), st.integers(0, 12), st.integers(1, 4))
+def test_a_walk_takes_the_strides_that_it_is_told(begin, end, length):
+    visited = np.zeros(12, dtype=np.int32)
+    compiled_strides(begin, end, length, visited)
+    expected = np.zeros(12, dtype=np.int32)
+    expected[begin:end:length] = [1 if p < length else -1 for p in range(begin, end, length)]
+    assert np.array_equal(visited, expected)
+
+
+compiled_strides = njit(lambda begin, end, length, visited: strides(begin, end, length, visited))
+compiled_merged = njit(lambda x, n: merged(x, n))
+
+
+def test_a_loop_between_numbers_of_python():
+    assert njit(lambda x: of_numbers_of_python(x))(np.array([1.0, 2.0, 4.0, 8.0])) == 14.0
+
+
+@given(st.floats(-5, 5), whole_numbers)
+def test_one_of_two_ways_is_taken(x, n):
+    assert compiled_merged(x, n) == ((x * 2, (n + 1, True), 1.0) if x > 0 else (1.5, (7, x < -1), 2.5))
+
+
+@traced
+def of_two_kinds(x, n):
+    return either(x > 0, x, n)
+
+
+@traced
+def out_of_its_branch(x, y):
+    inner = []
+    with when(x > 0):
+        inner.append(x * y[0])
+    return inner[0]
+
+
+@traced
+def from_outside(x, y):
+    with in_threads(where(x > 0, 1, 2), (y,)) as (k, (there,)):
+        there[k] = x
+
+
+def test_what_is_not_there_is_refused():
+    """Neither a value of another kind, nor one of a branch that was not taken, nor one of another function is ever computed with."""
+    with pytest.raises((TypingError, TypeError), match="different kinds"):
+        njit(lambda x, n: of_two_kinds(x, n))(1.0, 2)
+    with pytest.raises(RuntimeError, match="does not dominate"):
+        njit(lambda x, y: out_of_its_branch(x, y))(1.0, np.ones(1))
+    with pytest.raises((TypingError, TypeError), match="another function"):
+        njit(lambda x, y: from_outside(x, y))(1.0, np.ones(2))
+
+
+calls = []
+
+
+@once
+def counted(x, pair, array) -> int:
+    calls.append(1)
+    array[0] += x * pair[0]
+    return where(x > pair[1], 1, 0)
+
+
+def test_what_is_written_once_is_called_with_what_each_call_gives_it():
+    @njit
+    def twice(x, y, array, other):
+        return counted(x, (y, 1.0), array), counted(2 * x, (x, y), other)
+
+    array, other = np.zeros(3), np.zeros(2)
+    calls.clear()
+    assert twice(2.0, 5.0, array, other) == (1, 0)
+    assert (array[0], other[0]) == (10.0, 8.0)
+    assert len(calls) == 1
+
+
+@traced
+def with_a_number_of_python(x, array):
+    return counted(x, (2.0, x), array)
+
+
+def test_what_is_written_once_takes_no_number_of_python():
+    with pytest.raises((TypingError, TypeError), match="number of Python"):
+        njit(lambda x, array: with_a_number_of_python(x, array))(1.0, np.zeros(1))
+
+
+@traced
+def in_rounds(count, A, scale, truth):
+    with in_threads(count, (A, (scale, truth))) as (k, (array, (factor, more))), each(0, array.shape[1]) as c:
+        array[k, c] += factor * k + where(more, 1.0, 0.0)
+
+
+@pytest.mark.parametrize("threads", [1, numba.config.NUMBA_NUM_THREADS])
+@pytest.mark.parametrize("count", [0, 1, 3, 17])
+def test_each_round_runs_once_in_however_many_threads(count, threads):
+    rounds = njit(nogil=True)(lambda count, A, scale, truth: in_rounds(count, A, scale, truth))
+    numba.set_num_threads(threads)
+    try:
+        A = np.zeros((20, 3))
+        rounds(count, A, 0.5, True)
+    finally:
+        numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
+    expected = np.where(np.arange(20) < count, 0.5 * np.arange(20) + 1, 0.0)
+    assert np.array_equal(A, np.repeat(expected[:, None], 3, axis=1))
+
+
+@njit
+def raising(x):
+    if x < 0:
+        raise ValueError
+    return x, 2 * x
+
+
+@traced
+def calling(x):
+    return called(raising, x)
+
+
+def test_a_compiled_function_that_raises_returns_nan_to_a_traced_one():
+    call = njit(lambda x: calling(x))
+    assert call(1.5) == (1.5, 3.0)
+    assert np.isnan(call(-1.0)).all()
