@@ -17,7 +17,7 @@ from test_exact import difference
 from mpmverify.errors import UsageError
 from mpmverify.exact import ring, vortex
 from mpmverify.exact.axis_aligned import axis_aligned
-from mpmverify.exact.motion import cauchy_stress
+from mpmverify.exact.motion import cauchy_stress, volume_change
 from mpmverify.exact.ring import expanding_ring
 from mpmverify.exact.steffen import steffen
 from mpmverify.exact.vortex import generalised_vortex
@@ -98,6 +98,16 @@ def test_the_law_of_the_docstring_is_the_derivative_of_its_energy(dimension):
     found = cauchy_stress(law, H)
     for k, (i, j) in enumerate(PAIRS[dimension]):
         np.testing.assert_allclose(found[:, k], sigma[:, i, j], rtol=0, atol=1e-13 * scale_of(sigma))
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+def test_the_change_of_volume_keeps_the_digits_of_a_small_one(dimension):
+    H = np.random.default_rng(5).normal(size=(50, dimension, dimension))
+    assert volume_change(H) == pytest.approx(np.linalg.det(np.eye(dimension) + H) - 1, rel=1e-12, abs=1e-12)
+    small = 1e-12 * H
+    trace = np.trace(small, axis1=-2, axis2=-1)
+    quadratic = 0.5 * (trace**2 - np.trace(small @ small, axis1=-2, axis2=-1))
+    assert volume_change(small) == pytest.approx(trace + quadratic, rel=1e-14, abs=1e-27)
 
 
 def test_the_stress_of_a_rotated_body_is_rotated():

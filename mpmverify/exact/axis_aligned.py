@@ -58,10 +58,10 @@ class AxisAligned:
 
     def force(self, X: Array, t: Array) -> Array:
         """Body force b_i = pi^2 u_i [mu/rho - c^2 - (lambda (ln J - 1) - mu)/(rho F_ii^2)] (T, P, dim) [m/s^2]."""
-        law, elongation = self.material, self.elongation(X, t)
+        law, stretch = self.material, 1 + self.elongation(X, t)
         mu, lame, rho = law.shear_modulus, law.lame_lambda, law.density
-        log_J = np.sum(np.log1p(elongation), axis=-1, keepdims=True)
-        stiffness = mu / rho - law.youngs_modulus / rho - (lame * (log_J - 1) - mu) / (rho * (1 + elongation) ** 2)
+        log_J = np.log(math.prod(stretch[..., i] for i in range(self.dimension)))[..., None]
+        stiffness = mu / rho - law.youngs_modulus / rho - (lame * (log_J - 1) - mu) / (rho * stretch**2)
         return np.pi**2 * self.displacement(X, t) * stiffness
 
 

@@ -1,7 +1,10 @@
 """Motions of finite amplitude of a neo-Hookean body, and the fields that derive from one."""
 
+import itertools
+import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
 from typing import Protocol
 
 import numpy as np
@@ -30,16 +33,33 @@ class Motion(Protocol):
         """Body force b (T, P, dim) [m/s^2], from rho u_tt = Div P + rho b."""
 
 
+def volume_change(gradient: Array) -> Array:
+    """J - 1 (...) [1] of a displacement gradient (..., dim, dim): the sum of its principal minors, without the digits that det F - 1
+    would lose.
+    """
+    H, axes = np.moveaxis(gradient, (-2, -1), (0, 1)), range(gradient.shape[-1])
+
+    def minor(rows: tuple[int, ...], columns: tuple[int, ...]) -> Array:
+        if len(rows) == 1:
+            return H[rows[0], columns[0]]
+        cofactors = [minor(rows[1:], columns[:k] + columns[k + 1 :]) for k in range(len(columns))]
+        return reduce(operator.add, [(-1) ** k * H[rows[0], columns[k]] * cofactor for k, cofactor in enumerate(cofactors)])
+
+    return reduce(operator.add, [minor(some, some) for order in axes for some in itertools.combinations(axes, order + 1)])
+
+
 def cauchy_stress(law: NeoHookean, gradient: Array) -> Array:
     """Cauchy stress [lambda ln(J) I + mu (F F^T - I)]/J of a displacement gradient (..., dim, dim), (..., components) [Pa]."""
-    dimension = gradient.shape[-1]
-    identity = np.eye(dimension)
-    J = np.linalg.det(identity + gradient)[..., None, None]
-    transposed = np.swapaxes(gradient, -1, -2)
-    strain = gradient + transposed + gradient @ transposed  # F F^T - I, without the digits that a difference would lose
-    stress = (law.lame_lambda * np.log(J) * identity + law.shear_modulus * strain) / J
-    pairs = SYMMETRIC.get(dimension, ("xx",))
-    return stress[..., ["xyz".index(pair[0]) for pair in pairs], ["xyz".index(pair[1]) for pair in pairs]]
+    dimension, change = gradient.shape[-1], volume_change(gradient)
+    J, pressure = 1 + change, law.lame_lambda * np.log1p(change)
+    stress = np.empty((*gradient.shape[:-2], dimension * (dimension + 1) // 2))
+    for c, pair in enumerate(SYMMETRIC.get(dimension, ("xx",))):
+        i, j = "xyz".index(pair[0]), "xyz".index(pair[1])
+        # (F F^T - I)_ij without the digits that a difference would lose.
+        strain = gradient[..., i, j] + gradient[..., j, i]
+        strain += reduce(operator.add, [gradient[..., i, k] * gradient[..., j, k] for k in range(dimension)])
+        stress[..., c] = (law.shear_modulus * strain + (pressure if i == j else 0.0)) / J
+    return stress
 
 
 @dataclass(frozen=True)
