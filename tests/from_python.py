@@ -57,16 +57,22 @@ def supported(scheme, grid, particles, p):
     return stencil.found(scheme, grid, particles, p)[0]
 
 
+@traced
+def _support(scheme, grid, particles, p):
+    some = stencil.group(scheme, grid, particles, p, p + 1)
+    return some, passes.support_of(grid, particles, some)
+
+
 @njit(**ARITHMETIC)
 def moments_of_inertia(scheme, grid, particles, p):
     """D of a particle, a diagonal (d,) [m^2]."""
-    _, at = passes.stencil_of(scheme, grid, particles, p, p + 1)
+    at = _support(scheme, grid, particles, p)[1]
     return lanes_of(scale(1 / grid.scale**2, stencil.moments(grid, at[3], at[4], at[1])[1]), 0)
 
 
 @njit(**ARITHMETIC)
 def _spread(scheme, grid, particles, p, N, dN, directions):
-    some, at = passes.stencil_of(scheme, grid, particles, p, p + 1)
+    some, at = _support(scheme, grid, particles, p)
     transfer.spread(grid, N, 0, at, (some.present,))
     transfer.spread_tensor(grid, dN, 0, at, columns(directions, constant(some.present, grid.lower)))
 

@@ -430,7 +430,7 @@ def test_particles_that_stay_near_their_strip_are_not_sorted_at_every_step(condi
     body = square(lambda X: 0.05 * np.sin(2 * np.pi * (X[:, ::-1] + X)), condition)
     solution = MaterialPoint("MUSL").solve(body, Discretisation(1 / 40, 0.3, 2))
     assert solution.outcome.completed
-    assert taken[0].sorted[1] == (1 + solution.work.steps // order.INTERVAL if many == 0 else 0), "one strip needs no sorting"
+    assert taken[0].sorting[1] == (1 + solution.work.steps // order.INTERVAL if many == 0 else 0), "one strip needs no sorting"
 
 
 @pytest.mark.parametrize(("schedule", "basis"), [("USF", "linear"), ("MUSL", "linear"), ("MUSL", "tls-linear")])

@@ -93,6 +93,19 @@ def from_outside(x, y):
         there[k] = x
 
 
+@traced
+def by_a_truth_from_outside(x, y):
+    outside = x > 1
+    with in_threads(where(x > 0, 1, 2), (y,)) as (k, (there,)), when((k < 2) & outside):
+        there[k] = 1.0
+
+
+@traced
+def into_what_is_not_shared(x, y):
+    with in_threads(where(x > 0, 1, 2), ()) as (_, _):
+        y[0] = 1.0
+
+
 def test_what_is_not_there_is_refused():
     """Neither a value of another kind, nor one of a branch that was not taken, nor one of another function is ever computed with."""
     with pytest.raises((TypingError, TypeError), match="different kinds"):
@@ -101,6 +114,10 @@ def test_what_is_not_there_is_refused():
         njit(lambda x, y: out_of_its_branch(x, y))(1.0, np.ones(1))
     with pytest.raises((TypingError, TypeError), match="another function"):
         njit(lambda x, y: from_outside(x, y))(1.0, np.ones(2))
+    with pytest.raises((TypingError, TypeError), match="another function"):
+        njit(lambda x, y: by_a_truth_from_outside(x, y))(1.0, np.ones(2))
+    with pytest.raises((TypingError, TypeError), match="did not share"):
+        njit(lambda x, y: into_what_is_not_shared(x, y))(1.0, np.ones(2))
 
 
 calls = []
@@ -133,6 +150,35 @@ def with_a_number_of_python(x, array):
 def test_what_is_written_once_takes_no_number_of_python():
     with pytest.raises((TypingError, TypeError), match="number of Python"):
         njit(lambda x, array: with_a_number_of_python(x, array))(1.0, np.zeros(1))
+
+
+def _of_the_same_name():
+    @once
+    def counted(x, pair, array) -> int:
+        array[0] = -x
+        return 2
+
+    return counted
+
+
+other = _of_the_same_name()
+
+
+def test_each_function_that_is_written_once_is_one_and_its_calls_are_alike():
+    @njit
+    def both(x, array):
+        return counted(x, (x, x), array), other(x, (x, x), array)
+
+    array = np.ones(1)
+    assert both(3.0, array) == (0, 2)
+    assert array[0] == -3.0
+
+    @njit
+    def unlike(x, n, array):
+        return counted(x, (x, x), array), counted(n, (x, x), array)
+
+    with pytest.raises((TypingError, TypeError), match="other types"):
+        unlike(1.0, 2, np.zeros(1))
 
 
 @traced

@@ -137,6 +137,16 @@ def reading_rows(x):
 
 
 @traced
+def writing_a_row(x):
+    x[0] = 1.0
+
+
+@traced
+def reading_beyond(x):
+    return x[0, 0, 0]
+
+
+@traced
 def adding_truths(x):
     return (x > 0) + (x > 1)
 
@@ -164,6 +174,8 @@ def read_only(x):
         (writing_four, np.zeros(4, dtype=np.int64)),
         (writing_four, read_only(np.zeros(4))),
         (reading_rows, np.zeros((4, 2), dtype=np.int64)),
+        (writing_a_row, np.zeros((2, 2))),
+        (reading_beyond, np.zeros((2, 2))),
     ],
 )
 def test_what_is_no_arithmetic_of_values_is_refused(function, argument):

@@ -122,9 +122,13 @@ def stale_array(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def comparison(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """A comparison reversed."""
+    """A comparison reversed, by `equal` and `opposite` in traced code, too."""
     if isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in SYMBOL:
         yield source.between(node.left, node.comparators[0], SYMBOL[type(node.ops[0])], REVERSED)
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "equal":
+        yield source.replaced(node, f"where({source.text(node)}, False, True)")
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "opposite":
+        yield source.replaced(node, source.wrapped(node.args[0]))
 
 
 def arguments(source: Source, node: ast.AST) -> Iterator[Patch]:

@@ -5,8 +5,8 @@ from typing import Any
 
 
 def trip(names: Mapping[str, object]) -> None:
-    """Spoil an array among what a traced function of the material point method has at hand, when compiled code comes to where it is
-    written.
+    """Spoil both ends of every array that a traced function of the material point method has at hand, when compiled code comes to
+    where it is called.
 
     Raises
     ------
@@ -19,7 +19,8 @@ def trip(names: Mapping[str, object]) -> None:
         for length in array.shape[1:]:
             some = some & (length > 0)
         with array.builder.if_then(some.code):
-            array.store(array.address(0), 0, float("nan"))
+            for end in (0, -1):
+                array.store(array.address(*[end] * len(array.shape)), 0, float("nan"))
         spoilt += 1
     if not spoilt:
         raise ArithmeticError

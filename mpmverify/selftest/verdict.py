@@ -133,7 +133,7 @@ class Court:
             yield deviation(read_run(results.run(two.key), two.key), read_run(original.run(one.key), one.key))
 
     def _exercised(self, fault: Fault, folder: Path) -> bool:
-        """Whether a trial comes to the passage: with an exception in its place, one of them errs."""
+        """Whether a trial comes to the passage: with an exception in its place, or what spoils results, one of them differs."""
         tripped = dataclasses.replace(fault, edits=(_trip(fault.edits[0], self.sources),))
         return self._tried(tripped, folder).fate is not Fate.EQUIVALENT
 
@@ -155,7 +155,10 @@ TRIP = "__import__('mpmverify.selftest.trip', fromlist=['trip']).trip(locals())"
 
 
 def _trip(edit: Edit, sources: Path) -> Edit:
-    """Exception in front of the statement that an edit changes, or in a function that writes compiled code a `trip` in it."""
+    """Exception in front of the statement that an edit changes, or in a function that writes compiled code a `trip` in it.
+
+    Where there is no array at hand the exception comes when the code is compiled: such a passage counts as exercised.
+    """
     text = (sources / edit.file).read_text(encoding="utf-8")
     lines = text.splitlines(keepends=True)
     line = text.count("\n", 0, edit.begin(text)) + 1

@@ -26,7 +26,7 @@ TWO, THREE = math.sqrt(1 / 12), math.sqrt(3 / 20)
 """Distance of the points of two and three of Gauss from the middle of a cell."""
 
 
-FITTED, OPEN, COUNT, SUMS = range(4)
+FITTED, OPEN, POPULATION, SUMS = range(4)
 """Columns of the sums of a cell, see `Parts`."""
 
 

@@ -58,7 +58,7 @@ def when(truth: Any) -> Iterator[None]:
 def either(truth: Any, then: Any, otherwise: Any) -> Any:
     """The first where something is true, else the second: values of one kind, or tuples of these, or functions that return such.
 
-    Of two functions one is called, where `where` has both computed.
+    What one of two functions writes happens, where `where` has both computed. Of two numbers of Python one becomes as the other.
     """
     if not isinstance(truth, Value):
         return _result(then if truth else otherwise)

@@ -129,16 +129,16 @@ def march_through(
         strips.total[0, : len(grid.lower)],
         strips.total[1, : 2 + len(grid.lower)],
     )
-    if many and strips.sorted[0] == UNSORTED:
+    if many and begin == end:  # the call that compiles
         sort(scheme, grid, particles, strips, begin)
     record = 0
     while histories.step[record] < begin:
         record += 1
     for n in range(begin, end):
-        sorting = many and (strips.sorted[0] == UNSORTED or n - strips.sorted[0] == INTERVAL)
-        if sorting and sort(scheme, grid, particles, strips, n) == FAILED:
+        due = many and (strips.sorting[0] == UNSORTED or n - strips.sorting[0] == INTERVAL)
+        if due and sort(scheme, grid, particles, strips, n) == FAILED:
             return LEFT_GRID, n, output
-        if sorting or n == 0 or (n % ARRANGED == 0 and not scheme.total):
+        if due or n == 0 or (n % ARRANGED == 0 and not scheme.total):
             arrange(scheme, grid, particles, nodes, strips, 0)
         forces, recorded = scheme.schedule != USF or n == 0, histories.step[record] == n
         step = Step(body, n - begin, n, dt, recorded, forces, n < last)
@@ -184,7 +184,7 @@ def march_through(
         if scheme.schedule == USL:
             add_heat(strips, running)
         if scheme.schedule == MUSL:
-            fits_to_grid(scheme, grid, particles, nodes, strips, 0, Step(body, 0, n, dt, recorded, False, True))
+            fits_to_grid(scheme, grid, particles, nodes, strips, 0, Step(body, n - begin, n, dt, recorded, False, True))
             join(grid, nodes.inertia, with_mass(0.0, zero))
             nodal_velocity(zero, nodes, strips, nodes.projected, massless, 0.0, 0.0, added, 0, count)
             hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)
@@ -196,7 +196,7 @@ def march_through(
         if passed == FAILED:
             return INVERTED, n + 1, output
         if passed == STRAYED:
-            strips.sorted[0] = UNSORTED
+            strips.sorting[0] = UNSORTED
     return COMPLETED, end, output
 
 
@@ -209,3 +209,4 @@ def _assembled(name: str, passes: dict[str, Any], **options: bool) -> Any:
 march = _assembled("march", IN_TURN)
 """In one thread, where there is one strip."""
 march_in_threads = _assembled("march_in_threads", IN_THREADS, nogil=True)
+"""Over several strips; `numba.get_num_threads()` starts the threads, and comes before its first call in a process."""

@@ -141,8 +141,8 @@ def sort(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, n: in
             order[start[cell[p]]] = p
             start[cell[p]] += 1
         permute(particles, order, strips.spare)
-        strips.sorted[0] = n
-        strips.sorted[1] += 1
+        strips.sorting[0] = n
+        strips.sorting[1] += 1
     return where(away.value < 1, PASSED, FAILED)
 
 

@@ -27,7 +27,7 @@ from .state import (
     Strips,
     columns_of,
 )
-from .stencil import domain, group, places, support
+from .stencil import Group, domain, group, places, support
 from .tensors import det
 from .tracing import traced
 from .transfer import gather, gather_tensor, spread, spread_tensor
@@ -41,19 +41,21 @@ USF, USL, MUSL = range(3)
 
 
 @traced
-def stencil_of(scheme: Scheme, grid: Grid, particles: Particles, p: int, end: int):
-    """The particles from p on that one stencil serves, and their support."""
-    some = group(scheme, grid, particles, p, end)
+def support_of(grid: Grid, particles: Particles, some: Group):
+    """Support of the particles of a group."""
     F = rows(particles.state, some.numbers, columns_of(grid.lower).F, null(grid.lower)[1])
-    return some, support(grid, some.first, some.offset, domain(grid, F))
+    return support(grid, some.first, some.offset, domain(grid, F))
 
 
 @contextmanager
 def groups(scheme: Scheme, grid: Grid, particles: Particles, begin: int, end: int) -> Iterator[tuple[Any, Any, Any]]:
-    """A loop over the particles that one stencil serves at a time: the place of the first in the order, the group and its support."""
+    """A loop over the particles on the grid that one stencil serves at a time: the place of the first in the order, the group and its
+    support.
+    """
     with walk(begin, end) as (p, go_on):
-        some, at = stencil_of(scheme, grid, particles, p, end)
-        yield p, some, at
+        some = group(scheme, grid, particles, p, end)
+        with when(some.size > 0):
+            yield p, some, support_of(grid, particles, some)
         go_on(largest(some.size, 1))
 
 

@@ -22,9 +22,9 @@ from mpmverify.problem import Array, Traction
 from .basis import ONE, TLS, Axis, Basis
 from .deformation import force_columns
 from .fits import (
-    COUNT,
     FITTED,
     OPEN,
+    POPULATION,
     SUMS,
     factor,
     fitted,
@@ -36,10 +36,10 @@ from .fits import (
     solve,
     taylor,
 )
-from .flow import Kept, each, either, walk, when
+from .flow import each, either, walk, when
 from .lanes import largest, total
 from .memory import add_totals, row, rows
-from .state import FAILED, PASSED, Grid, Nodes, Particles, Scheme, Step, Strips, columns_of
+from .state import PASSED, Grid, Nodes, Particles, Scheme, Step, Strips, columns_of
 from .stencil import Group, cell_number, group, places, support
 from .tensors import det
 from .tracing import traced
@@ -92,7 +92,7 @@ def add_to_cell(scheme: Scheme, grid: Grid, particles: Particles, some: Group, c
     V = where(scheme.total, V0, V0 * det(F))
     functions = taylor(grid.width, some.offset)
     parts, there = parts_of(functions, zero), scale(some.present, functions)
-    cell[COUNT] += total(some.present)
+    cell[POPULATION] += total(some.present)
     add_products(cell, parts.products, parts.functions, there, functions)
     inertia = with_mass(m, rows(state, some.numbers, column.velocity, zero))
     add_totals(cell, SUMS, some.present, inertia)
@@ -109,16 +109,15 @@ def add_to_cell(scheme: Scheme, grid: Grid, particles: Particles, some: Group, c
 
 @traced
 def fit_cells(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step) -> int:
-    """A pass over the particles that adds up what the fits of their cells need; FAILED when a particle is not on the grid."""
-    passed, end = Kept(PASSED, s), strips.particles[s + 1]
+    """A pass over the particles that adds up what the fits of their cells need; that one is not on the grid `particles_to_grid` says."""
+    end = strips.particles[s + 1]
     with walk(strips.particles[s], end) as (p, go_on):
         some = group(scheme, grid, particles, p, end)
         with when(some.size > 0):
             cell = nodes.cells[cell_number(grid, some.first)]
             add_to_cell(scheme, grid, particles, some, cell, step)
-        passed.value = where(some.size > 0, passed.value, FAILED)
         go_on(largest(some.size, 1))
-    return passed.value
+    return PASSED
 
 
 @traced
@@ -141,12 +140,12 @@ def spread_cell(grid: Grid, nodes: Nodes, c: int, volume: float, forces: bool) -
 @traced
 def enclosed(grid: Grid, cells: Array, c: int) -> bool:
     """Whether there are particles in a cell and beyond all its faces, but for those at an end of the grid that is held."""
-    there, stride = (cells[c, OPEN] <= 0) & (cells[c, COUNT] > 0), 1
+    there, stride = (cells[c, OPEN] <= 0) & (cells[c, POPULATION] > 0), 1
     for count, periodic in zip(grid.cells, grid.periodic, strict=True):
         i = c // stride % count
         below = where(i > 0, c - stride, where(periodic, c + stride * (count - 1), c))
         above = where(i < count - 1, c + stride, where(periodic, c - stride * (count - 1), c))
-        there = there & (cells[below, COUNT] > 0) & (cells[above, COUNT] > 0)
+        there = there & (cells[below, POPULATION] > 0) & (cells[above, POPULATION] > 0)
         stride = stride * count
     return there
 

@@ -201,8 +201,10 @@ class MaterialPoint:
         top_speed = np.abs(state[4].velocity).max()
         running = np.concatenate([[0.0, 0.0, 0.5 * particles.mass.sum() * top_speed**2, 0.0], np.zeros(dimension)])
         record = (outputs, histories, running, dt)
-        march = loop.march_in_threads if count >= MANY else loop.march
-        numba.get_num_threads()  # starts the threads, which compiled code does not
+        march = loop.march
+        if count >= MANY:
+            numba.get_num_threads()  # starts the threads, which a loop from the disk cache takes for granted
+            march = loop.march_in_threads
         march(*state, *record, np.zeros((0, 0, 0)), 0, 0, 0)  # compiles, takes no pass
 
         started = time.perf_counter()

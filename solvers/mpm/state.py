@@ -208,7 +208,7 @@ class Strips(NamedTuple):
     (S + 1,), how far its particles may go before they are sorted again (S, 2) [m], what the passes say of each strip (S,) and the
     sums that they leave; those that passes over as many parts of the nodes leave (S, 8), a cache line each, and two sums
     of these (2, 8). The first nodes or the cells of the particles (P,); how many of a strip have each (S, C), for `arrange`; how many
-    particles are in the cells before each (C + 1,) and room for a state (K,), for `sort`; the step of the last sorting, and how
+    particles are in the cells before each (C + 1,) and room for a state (K,), for `sort`; the step of the last sorting, and for tests how
     many there were (2,).
     """
 
@@ -223,7 +223,7 @@ class Strips(NamedTuple):
     shares: Integers
     start: Integers
     spare: Array
-    sorted: Integers
+    sorting: Integers
 
 
 class Step(NamedTuple):

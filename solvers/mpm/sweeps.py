@@ -7,7 +7,7 @@ from functools import wraps
 from typing import Any
 
 from .basis import TLS
-from .fits import COUNT
+from .fits import POPULATION
 from .flow import each
 from .grid import accelerate, clear, kick_nodes, nodal_velocity
 from .order import arrange, no_sort, sort
@@ -26,7 +26,7 @@ def _over_strips(one: Any) -> Any:
     """A pass over all strips, those of one colour at the same time; the worst of what it says of them."""
 
     @wraps(one)
-    def over_strips(scheme, grid, particles, nodes, strips, s, *step):
+    def over_strips(scheme, grid, particles, nodes, strips, _, *step):
         passed = strips.passed
         count = passed.shape[0]
         with each(0, where(count > 1, 2, 1)) as colour:
@@ -73,7 +73,7 @@ def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
         passes["clear"](grid.lower, nodes, strips, nodes.velocity, 0.0, 0.0, 0.0, strips.total[0], 0, nodes.inertia.shape[1])
         if len(grid.kind) == len(TLS):
             with each(0, nodes.cells.shape[0]) as c:
-                nodes.cells[c, COUNT] = 0.0
+                nodes.cells[c, POPULATION] = 0.0
             passes["fit_cells"](scheme, grid, particles, nodes, strips, *step)
             passes["spread_fits"](scheme, grid, particles, nodes, strips, *step)
         return passes["particles_to_grid"](scheme, grid, particles, nodes, strips, *step)

@@ -1,7 +1,7 @@
 """Arithmetic that is compiled by being called, on values that stand for numbers of compiled code and write it.
 
 Python runs a traced function once for each call of it that is compiled: what it asks of lengths, and its loops over them, are known by then
-and make no code. Such a function has no branches on values, see `where` and `each` of `values`. To numba it is one instruction, where it
+and make no code. Such a function has no branches on values, see `where`, and what `flow` has in their place. To numba it is one instruction, where it
 would take a tenth of a second for a function of its own. Where there are neither arrays nor lanes it is what it says to Python, too.
 """
 
@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 
 from llvmlite import ir
 from numba.core import cgutils, types
-from numba.core.dispatcher import Dispatcher
 from numba.core.registry import cpu_target
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import lower_builtin
@@ -100,9 +99,7 @@ def traced(function: F) -> F:
 
 
 def called(one: Any, *args: Any) -> Any:
-    """What a function returns to a traced one; it may be one that numba compiles, and returns NaN where it raises."""
-    if not isinstance(one, Dispatcher):
-        return one(*args)
+    """What a function that numba compiles returns to a traced one: numbers, all of them NaN where it raises."""
     context, builder, kinds = cpu_target.target_context, builder_of(args), tuple(kind_of(x) for x in args)
     sig: Any = types.Dispatcher(one).get_call_type(cpu_target.typing_context, kinds, {})
     compiled: Any = one.get_compile_result(sig)

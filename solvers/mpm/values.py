@@ -108,10 +108,10 @@ class Value:
         return self._compared(">=", y)
 
     def __and__(self, y: "Value") -> "Value":
-        return Value(self.builder, self.builder.and_(self.code, y.code))
+        return Value(self.builder, self.builder.and_(self.code, code_of(self.builder, y, TRUTH)))
 
     def __or__(self, y: "Value") -> "Value":
-        return Value(self.builder, self.builder.or_(self.code, y.code))
+        return Value(self.builder, self.builder.or_(self.code, code_of(self.builder, y, TRUTH)))
 
     def __bool__(self) -> bool:
         raise TypeError("a traced function has no branches on values, see `where`")
@@ -138,6 +138,8 @@ class Memory:
 
     def address(self, *index: Any) -> ir.Value:
         """Address of what is stored from an index on."""
+        if len(index) > len(self.shape):
+            raise TypeError(f"{len(index)} indices of {self.kind}")
         place: Any = 0
         for axis, length in enumerate(self.shape):
             k = index[axis] if axis < len(index) else 0
@@ -155,6 +157,8 @@ class Memory:
 
     def __setitem__(self, index: Any, x: Any) -> None:
         *before, last = index if isinstance(index, tuple) else (index,)
+        if len(before) + 1 != len(self.shape):
+            raise TypeError(f"{len(before) + 1} indices of {self.kind} for one number")
         if isinstance(last, Four):
             self.store_together(self.address(*before, last.first), code_of(self.builder, x, VECTOR))
         else:

@@ -1,0 +1,70 @@
+"""Seconds that the first solution by a variant waits for its compilation: `python tests/benchmarks/first_call.py`.
+
+Each variant is solved by two new processes, one after the other, with a disk cache that is empty at first: what the first waits for beyond
+the run, and what the second does, which finds the loop compiled.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+import click
+from bodies import periodic_body
+from rich.console import Console
+from rich.table import Table
+
+from mpmverify.solvers.mpm import APIC, FLIP, MaterialPoint, fmpm
+from mpmverify.solvers.mpm.solver import MANY
+
+FEW = 1_000
+VARIANTS = [
+    (1, MaterialPoint("MUSL", FLIP, "linear"), FEW),
+    (2, MaterialPoint("USL", FLIP, "linear"), FEW),
+    (2, MaterialPoint("USL", FLIP, "linear"), 1.2 * MANY),
+    (2, MaterialPoint("USL", APIC, "quadratic"), FEW),
+    (3, MaterialPoint("USL", APIC, "quadratic"), FEW),
+    (3, MaterialPoint("USL", APIC, "quadratic"), 1.2 * MANY),
+    (3, MaterialPoint("USL", fmpm(2), "cubic"), FEW),
+    (3, MaterialPoint("USL", APIC, "cubic"), 1.2 * MANY),
+    (3, MaterialPoint("MUSL", FLIP, "cpdi"), FEW),
+    (3, MaterialPoint("MUSL", FLIP, "tls-cubic"), 1.2 * MANY),
+]
+
+
+def wait(number: int) -> float:
+    """Seconds of a solution beyond its steps, less those of a second one [s]."""
+    dimension, solver, particles = VARIANTS[number]
+    problem, at = periodic_body(dimension, particles, 1)
+    beyond = []
+    for _ in range(2):
+        started = time.perf_counter()
+        solution = solver.solve(problem, at)
+        assert solution.outcome.completed, str(solution.outcome)
+        beyond.append(time.perf_counter() - started - solution.work.seconds)
+    return beyond[0] - beyond[1]
+
+
+def in_a_process(number: int, cache: str) -> float:
+    command = [sys.executable, __file__, "--variant", str(number)]
+    said = subprocess.run(command, env=os.environ | {"NUMBA_CACHE_DIR": cache}, check=True, capture_output=True, text=True)
+    return float(said.stdout)
+
+
+@click.command(help=__doc__.split("\n")[0])
+@click.option("--variant", type=click.IntRange(0, len(VARIANTS) - 1), help="Print the seconds of one variant in this process.")
+def main(variant: int | None) -> None:
+    if variant is not None:
+        click.echo(wait(variant))
+        return
+    table = Table("", "dimension", "particles", "first process [s]", "second process [s]")
+    for number, (dimension, solver, particles) in enumerate(VARIANTS):
+        with tempfile.TemporaryDirectory() as cache:
+            seconds = [f"{in_a_process(number, cache):.1f}" for _ in range(2)]
+        table.add_row(solver.name, str(dimension), f"{particles:,.0f}", *seconds)
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    main()
