@@ -1,0 +1,40 @@
+"""The time loop on the disk: compiled once for all processes, however many of them start at the same time."""
+
+import json
+import os
+import subprocess
+import sys
+
+SOLVE = """
+import json
+from mpmverify.exact.vibration import axial_vibration
+from mpmverify.problem import Discretisation
+from mpmverify.solvers.mpm import MaterialPoint, loop, solver
+
+problem, found = axial_vibration().problem, []
+for solver.MANY in (10**9, 0):  # in one thread, then in several
+    solution = MaterialPoint("USL").solve(problem, Discretisation(problem.lengths[0] / 64, 0.3, 2))
+    found.append([str(solution.outcome.status), float(abs(solution.fields["stress"]).sum()).hex()])
+counts = [(one.stats.cache_hits.total(), one.stats.cache_misses.total()) for one in (loop.march, loop.march_in_threads)]
+print(json.dumps([found, *counts]))
+"""
+
+
+def started(cache):
+    command = [sys.executable, "-c", SOLVE]
+    return subprocess.Popen(command, env=os.environ | {"NUMBA_CACHE_DIR": str(cache)}, stdout=subprocess.PIPE, text=True)
+
+
+def said(process):
+    output, _ = process.communicate()
+    assert process.returncode == 0
+    return json.loads(output)
+
+
+def test_processes_that_start_at_once_agree_and_the_next_one_compiles_nothing(tmp_path):
+    together = [started(tmp_path) for _ in range(3)]
+    found = [said(process) for process in together]
+    results, *hits_and_misses = said(started(tmp_path))
+    assert [one[0] for one in found] == [results] * 3
+    assert [status for status, _ in results] == ["completed"] * 2
+    assert hits_and_misses == [[1, 0], [1, 0]], "every loop is found on the disk, and none is compiled"
