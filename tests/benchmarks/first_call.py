@@ -9,17 +9,21 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import replace
+from typing import Any
 
 import click
-from bodies import periodic_body
+from bodies import MATERIAL, periodic_body
 from rich.console import Console
 from rich.table import Table
 
+from mpmverify.problem import NeoHookean
 from mpmverify.solvers.mpm import APIC, FLIP, MaterialPoint, fmpm
 from mpmverify.solvers.mpm.solver import MANY
 
 FEW = 1_000
-VARIANTS = [
+FINITE_STRAIN = NeoHookean(MATERIAL.youngs_modulus, MATERIAL.density, MATERIAL.poissons_ratio)
+VARIANTS: list[tuple[Any, ...]] = [
     (1, MaterialPoint("MUSL", FLIP, "linear"), FEW),
     (2, MaterialPoint("USL", FLIP, "linear"), FEW),
     (2, MaterialPoint("USL", FLIP, "linear"), 1.2 * MANY),
@@ -30,13 +34,16 @@ VARIANTS = [
     (3, MaterialPoint("USL", APIC, "cubic"), 1.2 * MANY),
     (3, MaterialPoint("MUSL", FLIP, "cpdi"), FEW),
     (3, MaterialPoint("MUSL", FLIP, "tls-cubic"), 1.2 * MANY),
+    (3, MaterialPoint("USL", APIC, "quadratic"), FEW, FINITE_STRAIN),
+    (3, MaterialPoint("MUSL", FLIP, "tls-cubic"), 1.2 * MANY, FINITE_STRAIN),
 ]
 
 
 def wait(number: int) -> float:
     """Seconds of a solution beyond its steps, less those of a second one [s]."""
-    dimension, solver, particles = VARIANTS[number]
+    dimension, solver, particles, *material = VARIANTS[number]
     problem, at = periodic_body(dimension, particles, 1)
+    problem = replace(problem, material=material[0] if material else MATERIAL)
     beyond = []
     for _ in range(2):
         started = time.perf_counter()
@@ -59,10 +66,10 @@ def main(variant: int | None) -> None:
         click.echo(wait(variant))
         return
     table = Table("", "dimension", "particles", "first process [s]", "second process [s]")
-    for number, (dimension, solver, particles) in enumerate(VARIANTS):
+    for number, (dimension, solver, particles, *material) in enumerate(VARIANTS):
         with tempfile.TemporaryDirectory() as cache:
             seconds = [f"{in_a_process(number, cache):.1f}" for _ in range(2)]
-        table.add_row(solver.name, str(dimension), f"{particles:,.0f}", *seconds)
+        table.add_row(f"{solver.name}{', neo-Hookean' if material else ''}", str(dimension), f"{particles:,.0f}", *seconds)
     Console().print(table)
 
 
