@@ -7,14 +7,21 @@ import sys
 
 SOLVE = """
 import json
+import numba
 from mpmverify.exact.vibration import axial_vibration
 from mpmverify.problem import Discretisation
 from mpmverify.solvers.mpm import MaterialPoint, loop, solver
 
+def threads_are_started():
+    try:
+        return bool(numba.threading_layer())
+    except ValueError:
+        return False
+
 problem, found = axial_vibration().problem, []
 for solver.MANY in (10**9, 0):  # in one thread, then in several
     solution = MaterialPoint("USL").solve(problem, Discretisation(problem.lengths[0] / 64, 0.3, 2))
-    found.append([str(solution.outcome.status), float(abs(solution.fields["stress"]).sum()).hex()])
+    found.append([str(solution.outcome.status), float(abs(solution.fields["stress"]).sum()).hex(), threads_are_started()])
 counts = [(one.stats.cache_hits.total(), one.stats.cache_misses.total()) for one in (loop.march, loop.march_in_threads)]
 print(json.dumps([found, *counts]))
 """
@@ -36,5 +43,6 @@ def test_processes_that_start_at_once_agree_and_the_next_one_compiles_nothing(tm
     found = [said(process) for process in together]
     results, *hits_and_misses = said(started(tmp_path))
     assert [one[0] for one in found] == [results] * 3
-    assert [status for status, _ in results] == ["completed"] * 2
+    assert [status for status, _, _ in results] == ["completed"] * 2
+    assert [threads for _, _, threads in results] == [False, True], "a process that solved in one thread alone may yet fork"
     assert hits_and_misses == [[1, 0], [1, 0]], "every loop is found on the disk, and none is compiled"
