@@ -5,11 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 from numba import njit
-from numba.core.dispatcher import Dispatcher
 
 from mpmverify.solvers.mpm import basis, passes, stencil, transfer
 from mpmverify.solvers.mpm.compilation import ARITHMETIC
-from mpmverify.solvers.mpm.lanes import lanes_of
+from mpmverify.solvers.mpm.lanes import taken
 from mpmverify.solvers.mpm.order import strips
 from mpmverify.solvers.mpm.state import nodal
 from mpmverify.solvers.mpm.tracing import traced
@@ -17,17 +16,22 @@ from mpmverify.solvers.mpm.vectors import columns, constant, scale
 
 
 def callable_from_python(function):
-    """The same compiled function with an entry, or a traced one compiled to one of its own."""
-    return njit(**ARITHMETIC)(function.py_func if isinstance(function, Dispatcher) else lambda *args: function(*args))
+    """A traced function compiled to one with an entry."""
+    return njit(**ARITHMETIC)(lambda *args: function(*args))
 
 
 def entries(module):
-    """All names of a module, its compiled functions with an entry and its traced ones compiled."""
+    """All names of a module, its traced functions compiled."""
     known = dict(vars(module))
     for name, value in vars(module).items():
-        if isinstance(value, Dispatcher) or (inspect.isfunction(value) and inspect.getsource(value).startswith("@traced")):
+        if inspect.isfunction(value) and inspect.getsource(value).startswith("@traced"):
             known[name] = callable_from_python(value)
     return SimpleNamespace(**known)
+
+
+@traced
+def of_the_first(values):
+    return tuple(taken(value)[0] for value in values)
 
 
 @traced
@@ -67,7 +71,7 @@ def _support(scheme, grid, particles, p):
 def moments_of_inertia(scheme, grid, particles, p):
     """D of a particle, a diagonal (d,) [m^2]."""
     at = _support(scheme, grid, particles, p)[1]
-    return lanes_of(scale(1 / grid.scale**2, stencil.moments(grid, at[3], at[4], at[1])[1]), 0)
+    return of_the_first(scale(1 / grid.scale**2, stencil.moments(grid, at[3], at[4], at[1])[1]))
 
 
 @njit(**ARITHMETIC)

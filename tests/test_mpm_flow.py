@@ -8,9 +8,11 @@ from hypothesis import strategies as st
 from numba import njit
 from numba.core.errors import TypingError
 
-from mpmverify.solvers.mpm.flow import Kept, as_long_as, each, either, walk, when
+from mpmverify.solvers.mpm.flow import Kept, as_long_as, each, either, one_of, walk, when
+from mpmverify.solvers.mpm.lanes import built as lanes
+from mpmverify.solvers.mpm.lanes import total
 from mpmverify.solvers.mpm.outline import in_threads, once
-from mpmverify.solvers.mpm.tracing import called, traced
+from mpmverify.solvers.mpm.tracing import traced
 from mpmverify.solvers.mpm.values import equal, opposite, where
 
 whole_numbers = st.integers(-20, 20)
@@ -75,8 +77,34 @@ def test_one_of_two_ways_is_taken(x, n):
 
 
 @traced
+def numbered(n, x):
+    return one_of(n, {1: lambda: (x, n), 4: lambda: (2 * x, n + 1), 0: (0.5, 7)}, lambda: (-x, -n))
+
+
+@given(st.integers(-2, 6), st.floats(-5, 5))
+def test_one_of_many_ways_is_taken_by_its_number(n, x):
+    expected = {1: (x, n), 4: (2 * x, n + 1), 0: (0.5, 7)}.get(n, (-x, -n))
+    assert compiled_numbered(n, x) == numbered(n, x) == expected
+
+
+compiled_numbered = njit(lambda n, x: numbered(n, x))
+
+
+@traced
 def of_two_kinds(x, n):
-    return either(x > 0, x, n)
+    return either(x > 0, x, n), either(n > 0, lambda: total(lanes((x, x, 1.0, 2.0)) + either(n > 1, x, lanes((x, 1, 2, 3)))), 0)
+
+
+@pytest.mark.parametrize(("x", "n", "expected"), [(1.5, 2, (1.5, 12.0)), (-1.5, 1, (1.0, 4.5)), (-1.5, 0, (0.0, 0.0))])
+def test_ways_lead_to_what_can_hold_either(x, n, expected):
+    found = njit(lambda x, n: of_two_kinds(x, n))(x, n)
+    assert found == expected
+    assert [type(value) for value in found] == [float, float]
+
+
+@traced
+def truth_or_number(x):
+    return either(x > 0, x > 1, x)
 
 
 @traced
@@ -108,8 +136,8 @@ def into_what_is_not_shared(x, y):
 
 def test_what_is_not_there_is_refused():
     """Neither a value of another kind, nor one of a branch that was not taken, nor one of another function is ever computed with."""
-    with pytest.raises((TypingError, TypeError), match="different kinds"):
-        njit(lambda x, n: of_two_kinds(x, n))(1.0, 2)
+    with pytest.raises((TypingError, TypeError), match="i1 is no double"):
+        njit(lambda x: truth_or_number(x))(1.0)
     with pytest.raises(RuntimeError, match="does not dominate"):
         njit(lambda x, y: out_of_its_branch(x, y))(1.0, np.ones(1))
     with pytest.raises((TypingError, TypeError), match="another function"):
@@ -199,21 +227,3 @@ def test_each_round_runs_once_in_however_many_threads(count, threads):
         numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
     expected = np.where(np.arange(20) < count, 0.5 * np.arange(20) + 1, 0.0)
     assert np.array_equal(A, np.repeat(expected[:, None], 3, axis=1))
-
-
-@njit
-def raising(x):
-    if x < 0:
-        raise ValueError
-    return x, 2 * x
-
-
-@traced
-def calling(x):
-    return called(raising, x)
-
-
-def test_a_compiled_function_that_raises_returns_nan_to_a_traced_one():
-    call = njit(lambda x: calling(x))
-    assert call(1.5) == (1.5, 3.0)
-    assert np.isnan(call(-1.0)).all()

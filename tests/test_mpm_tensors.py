@@ -6,8 +6,6 @@ from from_python import entries
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from numba import njit
-from numba.core.errors import TypingError
 
 from mpmverify.solvers import mpm
 
@@ -87,21 +85,3 @@ def test_eigenvalues_descend_and_are_those_of_the_matrix(values, seed):
     # Half of the digits of their difference are lost where two meet.
     assert np.abs(found - np.sort(values)[::-1]).max() < 1e-7
     assert sum(found) == pytest.approx(sum(values))
-
-
-def test_the_branches_of_other_dimensions_are_dropped_before_compilation():
-    """A branch that stays reads components that are not there, which numba refuses."""
-
-    def first(A, by_length):
-        if by_length:
-            return A[0]
-        return A[8]
-
-    def pruned(A):
-        if len(A) == 1:
-            return A[0]
-        return A[8]
-
-    assert njit(pruned)((1.0,)) == 1
-    with pytest.raises(TypingError, match="out of range"):
-        njit(first)((1.0,), True)

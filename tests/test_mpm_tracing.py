@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from numba import njit
 from numba.core.errors import TypingError
 
+from mpmverify.solvers.mpm.elementary import acos, asinh, atanh, cos, exp, expm1, log, power
 from mpmverify.solvers.mpm.flow import each
-from mpmverify.solvers.mpm.lanes import floor, lanes, lanes_of, largest, least, positive, total, whole
+from mpmverify.solvers.mpm.lanes import floor, lanes, largest, least, positive, taken, total, whole
 from mpmverify.solvers.mpm.memory import rows
 from mpmverify.solvers.mpm.tracing import traced
 from mpmverify.solvers.mpm.values import COUNT, Four, where
@@ -58,13 +59,15 @@ def of_lanes(x, y, n):
     return (some, largest(some, 0.0), -x / y, 1.5), total(some), positive(x)
 
 
+@traced
+def one_by_one(values):
+    return tuple(zip(*(taken(value, COUNT) for value in values), strict=True))
+
+
 @njit
 def each_of_four(x, y, n):
     values, summed, above = of_lanes(lanes(x), lanes(y), n)
-    found = np.zeros((COUNT, 4))
-    for k in range(COUNT):
-        found[k, 0], found[k, 1], found[k, 2], found[k, 3] = lanes_of(values, k)
-    return found, summed, above
+    return one_by_one(values), summed, above
 
 
 fours = st.tuples(*[numbers.filter(lambda x: abs(x) > 1e-3)] * COUNT)
@@ -77,6 +80,35 @@ def test_lanes_are_four_numbers(x, y, n):
     assert np.array_equal(found, [values for values, _, _ in expected])
     assert summed == pytest.approx(sum(one for _, one, _ in expected), rel=1e-12, abs=1e-9)
     assert above == all(one for _, _, one in expected)
+
+
+@traced
+def elementary_functions(x, y):
+    of_both = acos(x), atanh(x), cos(10 * x), asinh(3 * x)
+    return *of_both, exp(x), expm1(1e-9 * x), log(2 + x), log(y), power(y, -5 / 3), exp(0.5)
+
+
+@njit
+def elementary_functions_of_four(x, y):
+    return one_by_one(elementary_functions(lanes(x), lanes(y))), elementary_functions(x[0], y[0])
+
+
+unit = st.floats(-0.999, 0.999)
+positives = st.floats(1e-3, 1e3)
+
+
+@given(st.tuples(*[unit] * COUNT), st.tuples(*[positives] * COUNT))
+def test_elementary_functions_are_those_of_python(x, y):
+    found, of_the_first = elementary_functions_of_four(x, y)
+    expected = [elementary_functions(a, b) for a, b in zip(x, y, strict=True)]
+    assert found == pytest.approx(np.array(expected), rel=1e-14)
+    assert of_the_first == found[0]
+
+
+def test_elementary_functions_are_nan_where_they_are_not_defined():
+    outside, _ = elementary_functions_of_four((2.0,) * COUNT, (-1.0,) * COUNT)
+    of_x, of_y = outside[0][:2], outside[0][7:9]
+    assert np.isnan([*of_x, *of_y]).all()
 
 
 @traced

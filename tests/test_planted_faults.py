@@ -105,9 +105,10 @@ FAIL, ERROR = Verdict.FAIL, Verdict.ERROR
 MPM_LAW, MPM_PASSES, MPM_GRID, MPM_FACES = "mpm/constitution.py", "mpm/passes.py", "mpm/grid.py", "mpm/faces.py"
 MPM_SOLVER, MPM_DEFORMATION = "mpm/solver.py", "mpm/deformation.py"
 MPM_HOOKE = "return shifted(lame * trace(eps), 2 * shear, eps)"
-MPM_STRAINED = "strained = strain(scheme, particles, p, some, scale(step.dt, gradient)"
+MPM_STRAINED = "strained = strain(scheme, particles, some, scale(step.dt, gradient)"
 MPM_NO_DT = MPM_STRAINED.replace("scale(step.dt, gradient)", "gradient")
-MPM_STORED = "F, sigma = row(particles.state, (p, column.F)"
+MPM_STORED = "F, sigma = rows(state, some.numbers, column.F"
+MPM_NEIGHBOURS = "tuple(q - where(q > 0, 1, 0) for q in some.numbers)"
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 TG_MODULUS = "-(material.lame_lambda + 2 * material.shear_modulus)"
 TG_FLUX = "                    R[i, k] -= dt * contour\n"
@@ -267,7 +268,7 @@ FAULTS = (
     ),
     Fault(
         "strain-energy-of-the-neighbouring-volume",
-        (Edit(MPM_DEFORMATION, MPM_STORED, MPM_STORED.replace("(p,", "(p - where(p > 0, 1, 0),")),),
+        (Edit(MPM_DEFORMATION, MPM_STORED, MPM_STORED.replace("some.numbers", MPM_NEIGHBOURS)),),
         (Kill(MPM_PULSE, FAIL, "mass, momentum, kinetic_energy, strain_energy summed"),),
         keeps_orders=True,
     ),

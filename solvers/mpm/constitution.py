@@ -5,7 +5,6 @@ stress out of the plane is not stored: it does no work, and the energies account
 Tensors are tuples, see `mpmverify.solvers.mpm.tensors`.
 """
 
-from math import exp, expm1, log, nan
 from typing import NamedTuple
 
 from mpmverify.material import (
@@ -19,27 +18,28 @@ from mpmverify.material import (
     SaintVenantKirchhoff,
 )
 
-from .compilation import jit
+from .elementary import exp, expm1
+from .flow import one_of
+from .hyperelastic import HENCKY, NEO_HOOKEAN, NEO_HOOKEAN_SPLIT, SAINT_VENANT_KIRCHHOFF, energy, hyperelastic
 from .tensors import (
     Symmetric,
     Tensor,
     combined,
     ddot,
-    det,
     dimension,
     first_piola_kirchhoff,
     full,
-    left_cauchy_green,
-    logarithm,
     shifted,
-    squared,
     sym,
     trace,
 )
 from .tracing import traced
 from .values import equal, where
 
-LINEAR_ELASTIC, KELVIN_VOIGT, MAXWELL, NEO_HOOKEAN, NEO_HOOKEAN_SPLIT, HENCKY, SAINT_VENANT_KIRCHHOFF = range(7)
+# What is a number or lanes has no annotation.
+# mypy: disable-error-code="no-untyped-def"
+
+LINEAR_ELASTIC, KELVIN_VOIGT, MAXWELL = range(SAINT_VENANT_KIRCHHOFF + 1, SAINT_VENANT_KIRCHHOFF + 4)
 Law = tuple[int, ...]
 """Number of a law, twice unless it is linear elasticity, for which the others are dropped where a function is compiled."""
 LAWS = {
@@ -75,7 +75,7 @@ def constitution(material: LinearElastic) -> tuple[Law, Constants]:
     return law, Constants(float(material.lame_lambda), float(material.shear_modulus), float(time))
 
 
-@jit
+@traced
 def stress(law: Law, constants: Constants, sigma: Symmetric, F: Tensor, increment: Tensor, dt: float) -> Symmetric:
     """Cauchy stress after a step [Pa]; all NaN when a law of finite strain meets J <= 0.
 
@@ -101,14 +101,18 @@ def stress(law: Law, constants: Constants, sigma: Symmetric, F: Tensor, incremen
     """
     if len(law) == 1:
         return linear_elastic(constants.lame, constants.shear, sigma, sym(increment))
-    if law[0] == KELVIN_VOIGT:
-        return kelvin_voigt(constants, shifted(-1.0, 1.0, sym(F)), sym(increment), dt)
-    if law[0] == MAXWELL:
-        return maxwell(constants, sigma, sym(increment), dt)
-    return hyperelastic(law[0], constants.lame, constants.shear, F)
+    deps = sym(increment)
+    return one_of(
+        law[0],
+        {
+            KELVIN_VOIGT: lambda: kelvin_voigt(constants, shifted(-1.0, 1.0, sym(F)), deps, dt),
+            MAXWELL: lambda: maxwell(constants, sigma, deps, dt),
+        },
+        lambda: hyperelastic(law[0], constants.lame, constants.shear, F),
+    )
 
 
-@jit
+@traced
 def strain_energy(law: Law, constants: Constants, sigma: Symmetric, F: Tensor) -> float:
     """Stored energy [J/m^3] per volume that the stress acts on at small strain, per reference volume at finite strain.
 
@@ -119,15 +123,19 @@ def strain_energy(law: Law, constants: Constants, sigma: Symmetric, F: Tensor) -
     lame, shear = constants.lame, constants.shear
     if len(law) == 1:
         return elastic_energy(lame, shear, sigma)
-    if law[0] == MAXWELL:
-        return elastic_energy(lame, shear, sigma)
-    if law[0] == KELVIN_VOIGT:
+
+    def kelvin_voigt_energy():
         eps = shifted(-1.0, 1.0, sym(F))
         return 0.5 * ddot(hooke(lame, shear, eps), eps)
-    return energy(law[0], lame, shear, F)
+
+    return one_of(
+        law[0],
+        {KELVIN_VOIGT: kelvin_voigt_energy, MAXWELL: lambda: elastic_energy(lame, shear, sigma)},
+        lambda: energy(law[0], lame, shear, F),
+    )
 
 
-@jit
+@traced
 def dissipation(law: Law, constants: Constants, sigma: Symmetric, increment: Tensor, dt: float) -> float:
     """Energy that a step turns into heat, per volume that the stress acts on [J/m^3]; `sigma` is the stress before it.
 
@@ -140,15 +148,16 @@ def dissipation(law: Law, constants: Constants, sigma: Symmetric, increment: Ten
         return 0.0
     lame, shear, time = constants
     deps = sym(increment)
-    if law[0] == KELVIN_VOIGT:
-        return time / dt * ddot(hooke(lame, shear, deps), deps)
-    if law[0] == MAXWELL:
-        x, elastic = dt / time, hooke(lame, shear, deps)
+    elastic = hooke(lame, shear, deps)
+
+    def maxwell_heat():
+        x = dt / time
         share = -expm1(-x) / x
         work = share * ddot(sigma, deps) + (1 - share) / x * ddot(elastic, deps)
         after = maxwell(constants, sigma, deps, dt)
         return work - elastic_energy(lame, shear, after) + elastic_energy(lame, shear, sigma)
-    return 0.0
+
+    return one_of(law[0], {KELVIN_VOIGT: lambda: time / dt * ddot(elastic, deps), MAXWELL: maxwell_heat}, 0.0)
 
 
 @traced
@@ -162,13 +171,13 @@ def reference_stress(law: Law, sigma: Symmetric, F: Tensor) -> Tensor:
 @traced
 def finite_strain(law: Law) -> bool:
     """Whether a law is one of finite strain, which is objective and does not bear J <= 0."""
-    return law[0] >= NEO_HOOKEAN
+    return law[0] <= SAINT_VENANT_KIRCHHOFF
 
 
 @traced
 def small_strain(law: Law) -> bool:
     """Whether a law is one of small strain."""
-    return law[0] < NEO_HOOKEAN
+    return law[0] > SAINT_VENANT_KIRCHHOFF
 
 
 @traced
@@ -205,77 +214,8 @@ def kelvin_voigt(constants: Constants, eps: Symmetric, deps: Symmetric, dt: floa
     return hooke(constants.lame, constants.shear, combined(1.0, eps, constants.time / dt, deps))
 
 
-@jit
+@traced
 def maxwell(constants: Constants, sigma: Symmetric, deps: Symmetric, dt: float) -> Symmetric:
     """sigma_dot = C : eps_dot - sigma/tau at a constant strain rate: e^-x sigma + (1 - e^-x)/x C : d_eps, x = dt/tau."""
     x = dt / constants.time
     return combined(exp(-x), sigma, -expm1(-x) / x, hooke(constants.lame, constants.shear, deps))
-
-
-# Finite strain.
-
-
-@jit
-def volume_ratio(F: Tensor) -> float:
-    """J = det F, NaN unless it is positive: so is every component of a stress that it divides."""
-    J = det(F)
-    return J if J > 0 else nan
-
-
-@jit
-def hyperelastic(law: int, lame: float, shear: float, F: Tensor) -> Symmetric:
-    """Cauchy stress [Pa] of a hyperelastic law; all NaN when J <= 0.
-
-    Notes
-    -----
-    ================== ========================================================
-    neo-Hookean        J sigma = lambda ln J I + mu (b - I)
-    neo-Hookean, split J sigma = K (J^2 - 1)/2 I + mu J^(-2/3) (b - tr(b)/3 I)
-    Hencky             J sigma = lambda ln J I + mu ln b
-    Saint Venant       S = lambda tr(E) I + 2 mu E, so that
-    and Kirchhoff      J sigma = lambda tr(b - I)/2 b + mu b (b - I)
-    ================== ========================================================
-
-    References
-    ----------
-    Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2008, chapter 6; Simo and Hughes, Computational
-    Inelasticity, 1998, section 9.2 (split).
-    """
-    J, b = volume_ratio(F), left_cauchy_green(F)
-    if law == NEO_HOOKEAN:
-        return shifted((lame * log(J) - shear) / J, shear / J, b)
-    if law == NEO_HOOKEAN_SPLIT:
-        bulk, isochoric = lame + 2 * shear / 3, shear * J ** (-5 / 3)
-        return shifted(0.5 * bulk * (J - 1 / J) - isochoric * (trace(b) + 3 - dimension(b)) / 3, isochoric, b)
-    if law == HENCKY:
-        return shifted(lame * log(J) / J, shear / J, logarithm(b, J))
-    return combined((0.5 * lame * (trace(b) - dimension(b)) - shear) / J, b, shear / J, squared(b))
-
-
-@jit
-def energy(law: int, lame: float, shear: float, F: Tensor) -> float:
-    """Strain energy per reference volume [J/m^3] of a hyperelastic law; NaN when J <= 0.
-
-    Notes
-    -----
-    ================== ====================================================================
-    neo-Hookean        lambda (ln J)^2/2 - mu ln J + mu (tr b - 3)/2
-    neo-Hookean, split K/2 [(J^2 - 1)/2 - ln J] + mu (J^(-2/3) tr b - 3)/2
-    Hencky             lambda (ln J)^2/2 + mu ln b : ln b/4
-    Saint Venant       lambda (tr E)^2/2 + mu E : E, where tr E = tr(b - I)/2
-    and Kirchhoff      and E : E = tr (b - I)^2/4
-    ================== ====================================================================
-    """
-    J, b = det(F), left_cauchy_green(F)
-    if not J > 0:
-        return nan
-    if law == NEO_HOOKEAN:
-        return 0.5 * lame * log(J) * log(J) - shear * log(J) + 0.5 * shear * (trace(b) - dimension(b))
-    if law == NEO_HOOKEAN_SPLIT:
-        bulk = lame + 2 * shear / 3
-        return 0.5 * bulk * (0.5 * (J * J - 1) - log(J)) + 0.5 * shear * (J ** (-2 / 3) * (trace(b) + 3 - dimension(b)) - 3)
-    if law == HENCKY:
-        strain = logarithm(b, J)
-        return 0.5 * lame * log(J) * log(J) + 0.25 * shear * ddot(strain, strain)
-    doubled = shifted(-1.0, 1.0, b)
-    return 0.125 * lame * trace(doubled) * trace(doubled) + 0.25 * shear * ddot(doubled, doubled)

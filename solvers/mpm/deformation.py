@@ -5,20 +5,19 @@ from mpmverify.problem import Array
 from .constitution import (
     dissipation,
     finite_strain,
-    linear_elastic,
     reference_stress,
     small_strain,
     strain_energy,
     stress,
     viscous,
 )
-from .flow import each, either, when
-from .lanes import floor, lanes_of, positive
-from .memory import row, rows, store, store_rows
+from .flow import either, when
+from .lanes import floor, positive, total
+from .memory import rows, store_rows
 from .state import FAILED, HEAT, PASSED, STRAYED, Grid, Particles, Scheme, columns_of
 from .stencil import Group
-from .tensors import Symmetric, Tensor, deform, det, full, sym
-from .tracing import called, traced
+from .tensors import Symmetric, Tensor, deform, det, full
+from .tracing import traced
 from .values import where
 from .vectors import Vector, axpy, columns, constant, null
 
@@ -35,28 +34,21 @@ def force_columns(scheme: Scheme, V0, sigma: Symmetric, F: Tensor, like: Vector)
 
 
 @traced
-def strain(
-    scheme: Scheme, particles: Particles, p: int, some: Group, increment: Tensor, dt: float, sums: Array, zero: Vector
-) -> int:
+def strain(scheme: Scheme, particles: Particles, some: Group, increment: Tensor, dt: float, sums: Array, zero: Vector) -> int:
     """F += dt dv/dX or F = (I + dt dv/dx) F, the stress that the law makes of it, and the energy that turned into heat.
 
-    The particles are those from place p of the order on. FAILED at a law or a volume that meets J <= 0.
+    FAILED at a law or a volume that meets J <= 0.
     """
     column, state, law, constants = columns_of(zero), particles.state, scheme.law, scheme.constants
     before, sigma = rows(state, some.numbers, column.F, increment), rows(state, some.numbers, column.stress, null(zero)[2])
     F = either(scheme.total, lambda: axpy(1.0, increment, before), lambda: deform(increment, before))
     store_rows(state, some.numbers, column.F, F)
-    if len(law) == 1:
-        answer = linear_elastic(constants.lame, constants.shear, sigma, sym(increment))
-        store_rows(state, some.numbers, column.stress, answer)
-    else:
-        with each(0, some.size) as k:
-            q, F_k, sigma_k, increment_k = particles.order[p + k], lanes_of(F, k), lanes_of(sigma, k), lanes_of(increment, k)
-            with when(viscous(law)):
-                J = either(scheme.total, 1.0, lambda: det(lanes_of(before, k)))
-                heat = called(dissipation, law, constants, sigma_k, increment_k, dt)
-                sums[HEAT] += state[q, column.volume] * J * heat
-            store(state, (q, column.stress), called(stress, law, constants, sigma_k, F_k, increment_k, dt))
+    if len(law) > 1:
+        with when(viscous(law)):
+            V = some.present * rows(state, some.numbers, column.volume, (0.0,))[0]
+            J = where(scheme.total, 1.0, det(before))
+            sums[HEAT] += total(V * J * dissipation(law, constants, sigma, increment, dt))
+    store_rows(state, some.numbers, column.stress, stress(law, constants, sigma, F, increment, dt))
     return where(positive(det(F)) | keeps_volume(scheme), PASSED, FAILED)
 
 
@@ -77,12 +69,13 @@ def within(y, limits: Array) -> bool:
 
 
 @traced
-def stored_energy(scheme: Scheme, particles: Particles, p: int, zero: Vector):
-    """Strain energy of a particle."""
-    column = columns_of(zero)
-    F, sigma = row(particles.state, (p, column.F), null(zero)[1]), row(particles.state, (p, column.stress), null(zero)[2])
-    J = either(keeps_volume(scheme) | finite_strain(scheme.law), 1.0, lambda: det(F))
-    return particles.state[p, column.volume] * J * called(strain_energy, scheme.law, scheme.constants, sigma, F)
+def stored_energy(scheme: Scheme, particles: Particles, some: Group, zero: Vector):
+    """Strain energy of particles."""
+    column, state = columns_of(zero), particles.state
+    F, sigma = rows(state, some.numbers, column.F, null(zero)[1]), rows(state, some.numbers, column.stress, null(zero)[2])
+    J = where(keeps_volume(scheme) | finite_strain(scheme.law), 1.0, det(F))
+    V = some.present * rows(state, some.numbers, column.volume, (0.0,))[0]
+    return V * J * strain_energy(scheme.law, scheme.constants, sigma, F)
 
 
 @traced

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils
 
-from .values import KINDS, WHOLE, Memory, Value, code_of, rank
+from .values import KINDS, WHOLE, Memory, Value, code_of, equal, rank
 
 
 @contextmanager
@@ -56,7 +57,7 @@ def when(truth: Any) -> Iterator[None]:
 
 
 def either(truth: Any, then: Any, otherwise: Any) -> Any:
-    """The first where something is true, else the second: values of one kind, or tuples of these, or functions that return such.
+    """The first where something is true, else the second: values or tuples of these, or functions that return such.
 
     What one of two functions writes happens, where `where` has both computed. Of two numbers of Python one becomes as the other.
     """
@@ -70,22 +71,27 @@ def either(truth: Any, then: Any, otherwise: Any) -> Any:
     return _merged(builder, *found)
 
 
+def one_of(number: Any, ways: dict[int, Any], otherwise: Any) -> Any:
+    """What one of some ways leads to, by its number, as `either` of many."""
+    for k, way in ways.items():
+        otherwise = partial(either, equal(number, k), way, otherwise)
+    return _result(otherwise)
+
+
 def _result(way: Any) -> Any:
     return way() if callable(way) else way
 
 
 def _merged(builder: ir.IRBuilder, a: tuple[Any, ir.Block], b: tuple[Any, ir.Block]) -> Any:
-    """One of two values, or tuples of these, by the block that code comes from; TypeError if they are not of one kind."""
+    """One of two values, or tuples of these, by the block that code comes from."""
     (x, from_x), (y, from_y) = a, b
     if isinstance(x, tuple):
         return tuple(_merged(builder, (p, from_x), (q, from_y)) for p, q in zip(x, y, strict=True))
-    numbers = KINDS[max(rank(x), rank(y))][0]
-    kind, *others = {value.code.type for value in (x, y) if isinstance(value, Value)} or {numbers}
-    if others:
-        raise TypeError("the two ways lead to values of different kinds")
+    kind = KINDS[max(rank(x), rank(y))][0]
     phi = builder.phi(kind)
     for value, block in ((x, from_x), (y, from_y)):
-        phi.add_incoming(code_of(builder, value, kind), block)
+        with builder.goto_block(block):
+            phi.add_incoming(code_of(builder, value, kind), block)
     return Value(builder, phi)
 
 

@@ -158,18 +158,6 @@ def size(value):
 
 
 @traced
-def lanes_of(values, k):
-    """The numbers of particle k, of a tuple of values."""
-
-    def one(value):
-        if value.code.type == DOUBLE:
-            return value
-        return Value(value.builder, value.builder.extract_element(value.code, value.builder.trunc(k.code, cgutils.int32_t)))
-
-    return tuple(one(value) for value in values)
-
-
-@traced
 def total(value):
     """Sum over the particles."""
     return reduce(operator.add, taken(value))

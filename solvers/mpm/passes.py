@@ -8,8 +8,8 @@ from .affine import NO_AFFINE, gather_affine, spin_with, spread_momentum
 from .deformation import force_columns, keeps_volume, move, stored_energy, strain
 from .flow import Kept, each, either, walk, when
 from .grid import leapfrog
-from .lanes import largest, least, total
-from .memory import add_totals, row, rows, store_rows
+from .lanes import largest, least, taken, total
+from .memory import add_totals, rows, store_rows
 from .reconstruction import not_fitted
 from .state import (
     FAILED,
@@ -48,14 +48,12 @@ def support_of(grid: Grid, particles: Particles, some: Group):
 
 
 @contextmanager
-def groups(scheme: Scheme, grid: Grid, particles: Particles, begin: int, end: int) -> Iterator[tuple[Any, Any, Any]]:
-    """A loop over the particles on the grid that one stencil serves at a time: the place of the first in the order, the group and its
-    support.
-    """
+def groups(scheme: Scheme, grid: Grid, particles: Particles, begin: int, end: int) -> Iterator[tuple[Any, Any]]:
+    """A loop over the particles on the grid that one stencil serves at a time: the group and its support."""
     with walk(begin, end) as (p, go_on):
         some = group(scheme, grid, particles, p, end)
         with when(some.size > 0):
-            yield p, some, support_of(grid, particles, some)
+            yield some, support_of(grid, particles, some)
         go_on(largest(some.size, 1))
 
 
@@ -100,7 +98,7 @@ def particles_to_grid(
 @traced
 def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int) -> int:
     """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of the nodes, to the particles and back."""
-    with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (_, some, at):
+    with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
         m = some.present * rows(particles.state, some.numbers, columns_of(grid.lower).mass, (0.0,))[0]
         spread(grid, nodes.inertia, 1, at, scale(m, gather(grid, nodes.term, at)))
     return PASSED
@@ -124,7 +122,7 @@ def grid_to_particles(
     limits, sums = strips.limits[s], strips.sums[s]
     with each(0, sums.shape[0]) as c:
         sums[c] = 0.0
-    with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (p, some, at):
+    with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
         before = rows(state, some.numbers, column.velocity, zero)
         moved = gather(grid, nodes.velocity, at)
         a = either(step.record | (scheme.flip > 0), lambda: gather(grid, nodes.acceleration, at), moved)
@@ -135,8 +133,7 @@ def grid_to_particles(
             now, x = axpy(kick, a, before), rows(state, some.numbers, 0, zero)
             spin = spin_with(scheme, grid, particles, some.numbers, at, cross(x, now))
             sums[KINETIC] += total(0.5 * m * dot(now, now))
-            with each(p, p + some.size) as k:
-                sums[STRAIN] += stored_energy(scheme, particles, particles.order[k], zero)
+            sums[STRAIN] += total(stored_energy(scheme, particles, some, zero))
             add_totals(sums, MOMENTUM, m, now)
             add_totals(sums, MOMENTUM + len(zero), m, spin)
         with when(step.advance):
@@ -152,7 +149,7 @@ def grid_to_particles(
             with when(opposite(again)):
                 passed.value = least(passed.value, move(grid, state, some, scale(step.dt, moved), limits))
                 with when(equal(scheme.schedule, USL)):
-                    strained = strain(scheme, particles, p, some, scale(step.dt, gradient), step.dt, sums, zero)
+                    strained = strain(scheme, particles, some, scale(step.dt, gradient), step.dt, sums, zero)
                     passed.value = least(passed.value, strained)
     return passed.value
 
@@ -170,11 +167,11 @@ def strain_particles(scheme: Scheme, grid: Grid, particles: Particles, nodes: No
     state, limits, sums = particles.state, strips.limits[s], strips.sums[s]
     sums[HEAT] = 0.0
     nodal = where(first_of_all, nodes.velocity, nodes.projected)
-    with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (p, some, at):
+    with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
         gradient, moved = gather_tensor(grid, nodal, at), gather(grid, nodes.velocity, at)
         with when(opposite(first_of_all)):
             passed.value = least(passed.value, move(grid, state, some, scale(step.dt, moved), limits))
-        strained = strain(scheme, particles, p, some, scale(step.dt, gradient), step.dt, sums, zero)
+        strained = strain(scheme, particles, some, scale(step.dt, gradient), step.dt, sums, zero)
         passed.value = least(passed.value, strained)
         with when(first_of_all):
             F, sigma = rows(state, some.numbers, column.F, tensor), rows(state, some.numbers, column.stress, symmetric)
@@ -201,14 +198,13 @@ def record_fields(
     column = columns_of(zero)
     kick, _ = leapfrog(n, dt)
     state = particles.state
-    with groups(scheme, grid, particles, begin, end) as (p, some, at):
+    with groups(scheme, grid, particles, begin, end) as (some, at):
         at_place, x = places(particles, some.numbers), rows(state, some.numbers, 0, zero)
         now = axpy(kick, gather(grid, nodes.acceleration, at), rows(state, some.numbers, column.velocity, zero))
         store_rows(outputs.displacement[k], at_place, 0, axpy(-1.0, rows(particles.reference, at_place, 0, zero), x))
         store_rows(outputs.velocity[k], at_place, 0, now)
         store_rows(outputs.stress[k], at_place, 0, rows(state, some.numbers, column.stress, symmetric))
-        with each(p, p + some.size) as j:
-            q = particles.order[j]
-            F = row(state, (q, column.F), tensor)
-            J = either(keeps_volume(scheme), 1.0, lambda: det(F))
-            outputs.volume[k, particles.place[q]] = state[q, column.volume] * J
+        J = where(keeps_volume(scheme), 1.0, det(rows(state, some.numbers, column.F, tensor)))
+        volumes = taken(J * rows(state, some.numbers, column.volume, (0.0,))[0])
+        for number, volume in zip(at_place, volumes, strict=True):
+            outputs.volume[k, number] = volume

@@ -6,10 +6,12 @@ A tensor is a row-major tuple, (xx,), (xx, xy, yx, yy) or nine components; a sym
 
 import operator
 from functools import reduce
-from math import acos, asinh, atanh, cos, log, pi, sqrt
+from math import pi
 
-from .compilation import jit
+from .elementary import acos, asinh, atanh, cos, log
+from .lanes import largest, least, root
 from .tracing import traced
+from .values import where
 from .vectors import DIMENSION, cross, dot
 
 # What is a number or lanes has no annotation.
@@ -124,7 +126,7 @@ def squared(A: Symmetric) -> Symmetric:
     return left_cauchy_green(full(A))
 
 
-@jit
+@traced
 def logarithm(b: Symmetric, J: float) -> Symmetric:
     """Logarithm of b = F F^T with J = det F.
 
@@ -137,13 +139,13 @@ def logarithm(b: Symmetric, J: float) -> Symmetric:
         return (2 * log(J),)
     if len(b) == 3:
         m, half = 0.5 * (b[0] + b[1]), 0.5 * (b[0] - b[1])
-        r = sqrt(half * half + b[2] * b[2])
-        q = asinh(r / J) / r if r > 0 else 1 / J
+        r = root(half * half + b[2] * b[2])
+        q = where(r > 0, asinh(r / J) / r, 1 / J)
         return shifted(log(J) - q * m, q, b)
     return interpolated_logarithm(b)
 
 
-@jit
+@traced
 def interpolated_logarithm(b: Symmetric) -> Symmetric:
     """Logarithm in three dimensions, by Newton's interpolation of ln at the eigenvalues x >= y >= z of b.
 
@@ -159,24 +161,23 @@ def interpolated_logarithm(b: Symmetric) -> Symmetric:
     """
     x, y, z = eigenvalues(b)
     xy, yz = divided_difference(x, y), divided_difference(y, z)
-    xyz = (xy - yz) / (x - z) if x > z else 0.0  # b - x I vanishes with x - z
+    xyz = where(x > z, (xy - yz) / (x - z), 0.0)  # b - x I vanishes with x - z
     return combined(xyz, squared(b), 1.0, shifted(log(x) - x * xy + x * y * xyz, xy - (x + y) * xyz, b))
 
 
-@jit
+@traced
 def divided_difference(x: float, y: float) -> float:
     """(ln x - ln y)/(x - y), or its limit 1/x."""
-    return 2 * atanh((x - y) / (x + y)) / (x - y) if x > y else 1 / x
+    return where(x > y, 2 * atanh((x - y) / (x + y)) / (x - y), 1 / x)
 
 
-@jit
+@traced
 def eigenvalues(b: Symmetric) -> tuple[float, float, float]:
     """Eigenvalues in descending order of a symmetric tensor in three dimensions."""
     m = trace(b) / 3
     deviator = shifted(-m, 1.0, b)
-    p = sqrt(ddot(deviator, deviator) / 6)
-    if p == 0:
-        return m, m, m
-    angle = acos(min(1.0, max(-1.0, 0.5 * det(full(shifted(0.0, 1 / p, deviator)))))) / 3
+    p = root(ddot(deviator, deviator) / 6)
+    cosine = where(p > 0, 0.5 * det(full(shifted(0.0, 1 / p, deviator))), 1.0)
+    angle = acos(least(largest(cosine, -1.0), 1.0)) / 3
     x, z = m + 2 * p * cos(angle), m + 2 * p * cos(angle + 2 * pi / 3)
     return x, 3 * m - x - z, z

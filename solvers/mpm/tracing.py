@@ -6,7 +6,6 @@ would take a tenth of a second for a function of its own. Where there are neithe
 """
 
 from collections.abc import Callable
-from math import nan
 from typing import Any, TypeVar
 
 from llvmlite import ir
@@ -15,7 +14,7 @@ from numba.core.registry import cpu_target
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import lower_builtin
 
-from .values import KINDS, LANES, VECTOR, Memory, Value, code_of, loaded, rank, where
+from .values import KINDS, LANES, VECTOR, Memory, Value, code_of, loaded, rank
 
 F = TypeVar("F", bound=Callable[..., Any])
 Tuples: Any = types.BaseTuple
@@ -96,18 +95,6 @@ def traced(function: F) -> F:
         return unwrapped(context, builder, sig.return_type, function(*items))
 
     return function
-
-
-def called(one: Any, *args: Any) -> Any:
-    """What a function that numba compiles returns to a traced one: numbers, all of them NaN where it raises."""
-    context, builder, kinds = cpu_target.target_context, builder_of(args), tuple(kind_of(x) for x in args)
-    sig: Any = types.Dispatcher(one).get_call_type(cpu_target.typing_context, kinds, {})
-    compiled: Any = one.get_compile_result(sig)
-    context.add_linking_libs([compiled.library])
-    code = [unwrapped(context, builder, kind, x) for kind, x in zip(kinds, args, strict=True)]
-    status, found = context.call_internal_no_propagate(builder, compiled.fndesc, sig, code)
-    raised, values = Value(builder, status.is_error), wrapped(context, builder, sig.return_type, found)
-    return tuple(where(raised, nan, x) for x in values) if isinstance(values, tuple) else where(raised, nan, values)
 
 
 def builder_of(args: Any) -> Any:

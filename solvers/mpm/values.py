@@ -108,10 +108,10 @@ class Value:
         return self._compared(">=", y)
 
     def __and__(self, y: "Value") -> "Value":
-        return Value(self.builder, self.builder.and_(self.code, code_of(self.builder, y, TRUTH)))
+        return Value(self.builder, self.builder.and_(self.code, code_of(self.builder, y, self.code.type)))
 
     def __or__(self, y: "Value") -> "Value":
-        return Value(self.builder, self.builder.or_(self.code, code_of(self.builder, y, TRUTH)))
+        return Value(self.builder, self.builder.or_(self.code, code_of(self.builder, y, self.code.type)))
 
     def __bool__(self) -> bool:
         raise TypeError("a traced function has no branches on values, see `where`")
@@ -226,7 +226,10 @@ def code_of(builder: ir.IRBuilder, x: Any, kind: ir.Type) -> ir.Value:
     code = x.code
     if code.type == WHOLE and kind in (DOUBLE, VECTOR):
         code = builder.sitofp(code, DOUBLE)
-    return splat(builder, code) if kind == VECTOR else code
+    code = splat(builder, code) if kind == VECTOR else code
+    if code.type != kind:
+        raise TypeError(f"{code.type} is no {kind}")
+    return code
 
 
 def alike(builder: ir.IRBuilder, *items: Any) -> list[ir.Value]:
