@@ -4,10 +4,12 @@ import operator
 from functools import reduce
 
 from llvmlite import ir
+from numba.core import cgutils
 
+from .flow import Kept, each
 from .lanes import built, taken, total
 from .tracing import traced
-from .values import COUNT, DOUBLE, VECTOR, Memory, Value, beyond, code_of, shuffled
+from .values import COUNT, DOUBLE, VECTOR, Memory, Value, alike, beyond, code_of, shuffled
 
 # What is a number or lanes has no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -20,14 +22,6 @@ def row(array, index, like):
     """The values from array[index] on as a tuple, as many as `like` has; no index counts from the end."""
     start = array.address(*index)
     return tuple(array.load(start, k) for k in range(len(like)))
-
-
-@traced
-def store(array, index, values):
-    """Write a tuple to array[index] and on."""
-    start = array.address(*index)
-    for k, value in enumerate(values):
-        array.store(start, k, value)
 
 
 @traced
@@ -77,13 +71,34 @@ def add_totals(array, first, m, values):
         array.store(start, k, array.load(start, k) + total(m * value))
 
 
-def _starts(grid, nodes: Memory, component, first) -> list[ir.Value]:
-    """Addresses of the first nodes of the rows along x of a stencil, that along y fastest."""
-    starts = [nodes.address(component, first)]
-    for step in grid.stride[:0:-1]:
+def _starts(grid, nodes: Memory, component, first, plane=None) -> list[ir.Value]:
+    """Addresses of the first nodes of the rows along x of a stencil, that along y fastest: of all, or of those of a plane of it."""
+    start = nodes.address(component, first)
+    starts, steps = (
+        ([start], grid.stride) if plane is None else ([beyond(nodes.builder, start, grid.stride[-1] * plane)], grid.stride[:-1])
+    )
+    for step in steps[:0:-1]:
         moves = [step * k for k in range(len(grid.width))]
         starts = [beyond(nodes.builder, start, move) for start in starts for move in moves]
     return starts
+
+
+class _Table:
+    """Values that compiled code finds by their number."""
+
+    def __init__(self, builder: ir.IRBuilder, values) -> None:
+        items = alike(builder, *values)
+        self.builder, self.place = builder, cgutils.alloca_once(builder, ir.ArrayType(items[0].type, len(items)))
+        for k, item in enumerate(items):
+            builder.store(item, cgutils.gep_inbounds(builder, self.place, 0, k))
+
+    def __getitem__(self, k: Value) -> Value:
+        return Value(self.builder, self.builder.load(cgutils.gep_inbounds(self.builder, self.place, 0, k.code)))
+
+
+def _in_planes(grid) -> bool:
+    """Whether the planes of a stencil are gone through by a loop of compiled code: all at once would take seconds to compile."""
+    return len(grid.stride) == 3 and len(grid.width) > 3
 
 
 @traced
@@ -92,21 +107,39 @@ def gathered(grid, nodes, first, w):
 
     w are the products of functions w (d, W) along the axes.
     """
-    return tuple(_product_sum(component, w) for component in _loaded(grid, nodes, first))
+    return _product_sums(grid, nodes, first, [w])
 
 
 @traced
 def gathered_by(grid, nodes, first, w, e):
     """The same with each of e (d, W) in the place of its own: by component, then by axis."""
-    return tuple(
-        _product_sum(component, (*w[:k], e[k], *w[k + 1 :])) for component in _loaded(grid, nodes, first) for k in range(len(w))
-    )
+    return _product_sums(grid, nodes, first, [(*w[:k], e[k], *w[k + 1 :]) for k in range(len(w))])
 
 
-def _loaded(grid, nodes: Memory, first) -> list[list[Value]]:
+def _product_sums(grid, nodes: Memory, first, products) -> tuple[Value, ...]:
+    """Sums of the values of nodes times products, by component, then by product."""
+    if not _in_planes(grid):
+        return tuple(_product_sum(component, w) for component in _loaded(grid, nodes, first) for w in products)
+    along_z = [_Table(nodes.builder, w[-1]) for w in products]
+    sums = [Kept(0.0, like=w[-1][0]) for _ in grid.stride for w in products]
+    with each(0, len(grid.width), like=nodes) as k:
+        terms = [
+            table[k] * _product_sum(component, w[:-1])
+            for component in _loaded(grid, nodes, first, k)
+            for w, table in zip(products, along_z, strict=True)
+        ]
+        for kept, term in zip(sums, terms, strict=True):
+            kept.value += term
+    return tuple(kept.value for kept in sums)
+
+
+def _loaded(grid, nodes: Memory, first, plane=None) -> list[list[Value]]:
     """Values of nodes by component and node, x fastest."""
     width = range(len(grid.width))
-    return [[nodes.load(start, j) for start in _starts(grid, nodes, c, first) for j in width] for c in range(len(grid.stride))]
+    return [
+        [nodes.load(start, j) for start in _starts(grid, nodes, c, first, plane) for j in width]
+        for c in range(len(grid.stride))
+    ]
 
 
 def _product_sum(values: list[Value], functions) -> Value:
@@ -125,16 +158,33 @@ def add_field(grid, nodes, component, first, w, e, amount, slope):
     w_k are the products with e_k in the place of w_k. Either of the amounts a (C,) and the slopes s (d, C) may be None.
     """
     d, width = len(grid.stride), len(grid.width)
-    for c in range(len(amount or slope[0])):
-        # What stands before w and, by axis, before e: by nodes, as one axis after the other is multiplied in.
-        terms = [(amount and amount[c], [s[c] for s in slope] if slope else [None] * d)]
-        for k in reversed(range(d)):
-            terms = [
-                (_plus(_times(a, w[k][j]), _times(s[k], e[k][j])), [_times(b, w[k][j]) for b in s[:k]])
-                for a, s in terms
-                for j in range(width)
-            ]
-        _add(_starts(grid, nodes, component + c, first), [value for value, _ in terms], nodes.builder, width)
+    # What stands before w and, by axis, before e.
+    before = [(amount and amount[c], [s[c] for s in slope] if slope else [None] * d) for c in range(len(amount or slope[0]))]
+    if not _in_planes(grid):
+        for c, one in enumerate(before):
+            _add(_starts(grid, nodes, component + c, first), _spread([one], w, e), nodes.builder, width)
+        return
+    along_z = _Table(nodes.builder, w[-1]), _Table(nodes.builder, e[-1])
+    with each(0, width, like=nodes) as k:
+        for c, one in enumerate(before):
+            of_plane = _along([one], *([table[k]] for table in along_z))
+            _add(_starts(grid, nodes, component + c, first, k), _spread(of_plane, w[:-1], e[:-1]), nodes.builder, width)
+
+
+def _spread(terms, w, e) -> list[Value]:
+    """Values of nodes, x fastest, of what stands before the functions w and e of the axes."""
+    for functions in zip(reversed(w), reversed(e), strict=True):
+        terms = _along(terms, *functions)
+    return [value for value, _ in terms]
+
+
+def _along(terms, w, e):
+    """What stands before the functions of the axes before one, by node along it."""
+    return [
+        (_plus(_times(a, w_j), _times(s[-1], e_j)), [_times(b, w_j) for b in s[:-1]])
+        for a, s in terms
+        for w_j, e_j in zip(w, e, strict=True)
+    ]
 
 
 def _times(a, b):
