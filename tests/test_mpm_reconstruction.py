@@ -193,8 +193,9 @@ def test_at_a_free_surface_particles_are_points_of_quadrature(dimension):
         scheme, grid, particles, nodes, _ = cloud(name, dimension, Traction(Constant(0.0)))
         cell = (particles.position // H).astype(int)
         elsewhere = np.flatnonzero((cell != 1).any(axis=1))
-        chosen = type(particles)(*(part[elsewhere] for part in particles[:3]), np.arange(len(elsewhere)))
-        chosen.place[:] = np.arange(len(elsewhere))
+        numbers = np.arange(len(elsewhere))
+        parts = particles.reference[elsewhere], particles.state[elsewhere]
+        chosen = type(particles)(numbers, *parts, numbers.copy(), particles.deformation)
         spread(scheme, grid, chosen, nodes, particles.velocity[elsewhere])
         both.append(nodes)
     assert not both[0].cells[:, 0].any()

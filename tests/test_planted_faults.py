@@ -107,7 +107,7 @@ MPM_SOLVER, MPM_DEFORMATION = "mpm/solver.py", "mpm/deformation.py"
 MPM_HOOKE = "return shifted(lame * trace(eps), 2 * shear, eps)"
 MPM_STRAINED = "strained = strain(scheme, particles, some, scale(step.dt, gradient)"
 MPM_NO_DT = MPM_STRAINED.replace("scale(step.dt, gradient)", "gradient")
-MPM_STORED = "F, sigma = rows(state, some.numbers, column.F"
+MPM_STORED = "F, sigma = strain_and_stress(particles, some.numbers, zero)\n    J"
 MPM_NEIGHBOURS = "tuple(q - where(q > 0, 1, 0) for q in some.numbers)"
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 TG_MODULUS = "-(material.lame_lambda + 2 * material.shear_modulus)"

@@ -114,7 +114,8 @@ MATERIAL_POINT = (
     _fault(
         MPM,
         "deformation gradient updated by a sum in the updated Lagrangian formulation",
-        (DEFORMATION, "lambda: deform(increment, before)", "lambda: axpy(1.0, increment, before)"),
+        (DEFORMATION, "lambda: deform(increment, F)", "lambda: axpy(1.0, increment, F)"),
+        (DEFORMATION, "F[0] * det(axpy(1.0, increment, identity(increment)))", "F[0] + increment[0] + increment[-1]"),
     ),
     _fault(
         MPM,

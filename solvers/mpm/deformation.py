@@ -19,10 +19,18 @@ from .stencil import Group
 from .tensors import Symmetric, Tensor, deform, det, full
 from .tracing import traced
 from .values import where
-from .vectors import Vector, axpy, columns, constant, null
+from .vectors import Vector, axpy, columns, constant, identity, null
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
+
+
+@traced
+def strain_and_stress(particles: Particles, numbers, zero: Vector):
+    """F, or J alone where only that is kept, and sigma of particles."""
+    column = columns_of(zero, particles.deformation)
+    F = rows(particles.state, numbers, column.F, particles.deformation)
+    return F, rows(particles.state, numbers, column.stress, null(zero)[2])
 
 
 @traced
@@ -34,14 +42,22 @@ def force_columns(scheme: Scheme, V0, sigma: Symmetric, F: Tensor, like: Vector)
 
 
 @traced
+def deformed(scheme: Scheme, increment: Tensor, F: Tensor):
+    """F + dt dv/dX or (I + dt dv/dx) F; if of F only J is kept, det(I + dt dv/dx) J, and in material coordinates J as it was."""
+    if len(F) < len(increment):
+        return (where(scheme.total, F[0], F[0] * det(axpy(1.0, increment, identity(increment)))),)
+    return either(scheme.total, lambda: axpy(1.0, increment, F), lambda: deform(increment, F))
+
+
+@traced
 def strain(scheme: Scheme, particles: Particles, some: Group, increment: Tensor, dt: float, sums: Array, zero: Vector) -> int:
     """F += dt dv/dX or F = (I + dt dv/dx) F, the stress that the law makes of it, and the energy that turned into heat.
 
     FAILED at a law or a volume that meets J <= 0.
     """
-    column, state, law, constants = columns_of(zero), particles.state, scheme.law, scheme.constants
-    before, sigma = rows(state, some.numbers, column.F, increment), rows(state, some.numbers, column.stress, null(zero)[2])
-    F = either(scheme.total, lambda: axpy(1.0, increment, before), lambda: deform(increment, before))
+    column, state, law, constants = columns_of(zero, particles.deformation), particles.state, scheme.law, scheme.constants
+    before, sigma = strain_and_stress(particles, some.numbers, zero)
+    F = deformed(scheme, increment, before)
     store_rows(state, some.numbers, column.F, F)
     if len(law) > 1:
         with when(viscous(law)):
@@ -71,8 +87,8 @@ def within(y, limits: Array) -> bool:
 @traced
 def stored_energy(scheme: Scheme, particles: Particles, some: Group, zero: Vector):
     """Strain energy of particles."""
-    column, state = columns_of(zero), particles.state
-    F, sigma = rows(state, some.numbers, column.F, null(zero)[1]), rows(state, some.numbers, column.stress, null(zero)[2])
+    column, state = columns_of(zero, particles.deformation), particles.state
+    F, sigma = strain_and_stress(particles, some.numbers, zero)
     J = where(keeps_volume(scheme) | finite_strain(scheme.law), 1.0, det(F))
     V = some.present * rows(state, some.numbers, column.volume, (0.0,))[0]
     return V * J * strain_energy(scheme.law, scheme.constants, sigma, F)

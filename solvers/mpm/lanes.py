@@ -101,19 +101,12 @@ def positive(value):
 
 
 @traced
-def split(x, inside, limits):
-    """Fractions of a vector of lanes, the whole numbers below it in the first lane (d,), and how many of the first lanes share these, none
-    negative, and lie in 0 <= inside < limits (d,); which NaN does not.
-    """
+def split(x):
+    """Fractions of a vector of lanes, the whole numbers below it in the first lane (d,), and in which lanes they are the same."""
     under = [floor(value) for value in x]
-    firsts = [taken(value)[0] for value in under]
-    tests = [
-        truth
-        for value, first, place, limit in zip(under, firsts, inside, limits, strict=True)
-        for truth in (same(value, first), place < limit, value >= 0.0, place >= 0.0)
-    ]
-    fractions = tuple(value - floored for value, floored in zip(x, under, strict=True))
-    return fractions, tuple(whole(first) for first in firsts), leading(reduce(operator.and_, tests))
+    firsts = tuple(taken(value)[0] for value in under)
+    shared = reduce(operator.and_, [same(value, first) for value, first in zip(under, firsts, strict=True)])
+    return tuple(value - floored for value, floored in zip(x, under, strict=True)), firsts, shared
 
 
 def same(a: Value, b: Value) -> Value:
@@ -127,6 +120,14 @@ def leading(truths: Value) -> Value:
     bits = code.zext(code.bitcast(code.not_(truths.code), ir.IntType(COUNT)), cgutils.int32_t)
     count = code.cttz(code.or_(bits, cgutils.int32_t(1 << COUNT)), cgutils.false_bit)
     return Value(code, code.zext(count, WHOLE))
+
+
+@traced
+def first_lanes(count):
+    """1 in so many lanes, the first, and 0 in the others."""
+    code = count.builder
+    numbers = splat(code, WHOLE(0)).type(list(range(COUNT)))
+    return where(Value(code, code.icmp_signed("<", numbers, splat(code, count.code))), 1.0, 0.0)
 
 
 @traced

@@ -119,7 +119,7 @@ def march_through(
     """
     heaviest = 0.0
     for p in range(particles.place.size):
-        heaviest = max(heaviest, particles.state[p, columns_of(grid.lower).mass])
+        heaviest = max(heaviest, particles.state[p, columns_of(grid.lower, particles.deformation).mass])
     massless, last, count = MASSLESS * heaviest, faces.force.shape[1] - 1, nodes.inertia.shape[1]
     many, series, turns = strips.passed.size > 1, scheme.series, scheme.full_mass
     velocity, nodal_body = nodes.velocity, body if scheme.nodal_body else body[:0]

@@ -8,12 +8,13 @@ import numpy as np
 
 from mpmverify.problem import Array
 
+from .basis import CPDI
 from .flow import Kept, as_long_as, each, when
-from .lanes import largest, least, whole
+from .lanes import floor, largest, least, taken, whole
 from .state import FAILED, PASSED, UNSORTED, Grid, Integers, Nodes, Particles, Scheme, Strips
-from .stencil import cell_number, found, inside, node_of, place
+from .stencil import cell_number, in_cells, inside, node_of, place
 from .tracing import traced
-from .values import equal, opposite, where
+from .values import COUNT, equal, opposite, real, where
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -70,17 +71,23 @@ def strips(
 def arrange(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int) -> int:
     """Bring the particles of a strip together by their first node in the order of the passes (counting sort, stable).
 
-    One that is elsewhere counts as in the first or the last row, one that is off the grid as the first: it is the passes that fail it.
+    One that is elsewhere, or off the grid, counts as at a node of the strip all the same: it is the passes that fail it. CPDI takes
+    particles one by one.
     """
+    if len(grid.kind) == len(CPDI):
+        return PASSED
     begin, end = strips.particles[s], strips.particles[s + 1]
     node, share, order = strips.node, strips.shares[s], particles.order
     lowest, highest = grid.stride[-1] * (strips.rows[s] - BEYOND), share.shape[0] - 2
     with each(0, share.shape[0]) as c:
         share[c] = 0
-    with each(begin, end) as p:
-        here, first, _ = found(scheme, grid, particles, p)
-        node[p] = where(here, least(largest(node_of(grid, first) - lowest, 0), highest), 0)
-        share[node[p] + 1] += 1
+    with each(begin, end, COUNT) as p:
+        which = [least(p + k, end - 1) for k in range(COUNT)]
+        _, first = in_cells(scheme, grid, particles, which)
+        nodes_of_four = node_of(grid, [floor(along) for along in first]) - lowest
+        for k, one in enumerate(taken(least(largest(nodes_of_four, 0.0), real(highest)))):
+            node[which[k]] = whole(one)
+            share[node[which[k]] + 1] += where(p + k < end, 1, 0)
     with each(0, highest + 1) as c:
         share[c + 1] += share[c]
     with each(begin, end) as p:

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from .affine import NO_AFFINE, gather_affine, spin_with, spread_momentum
-from .deformation import force_columns, keeps_volume, move, stored_energy, strain
+from .deformation import force_columns, keeps_volume, move, stored_energy, strain, strain_and_stress
 from .flow import Kept, each, either, walk, when
 from .grid import leapfrog
 from .lanes import largest, least, taken, total
@@ -43,7 +43,7 @@ USF, USL, MUSL = range(3)
 @traced
 def support_of(grid: Grid, particles: Particles, some: Group):
     """Support of the particles of a group."""
-    F = rows(particles.state, some.numbers, columns_of(grid.lower).F, null(grid.lower)[1])
+    F = rows(particles.state, some.numbers, columns_of(grid.lower, particles.deformation).F, particles.deformation)
     return support(grid, some.first, some.offset, domain(grid, F))
 
 
@@ -75,17 +75,17 @@ def particles_to_grid(
 
     Internal -sum_p V_p sigma_p dN_Ip/dx and external sum_p m_p b_p N_Ip. FAILED when a particle is not on the grid.
     """
-    zero, tensor, symmetric = null(grid.lower)
-    column, state, passed, end = columns_of(zero), particles.state, Kept(PASSED, s), strips.particles[s + 1]
+    zero, state, passed, end = null(grid.lower)[0], particles.state, Kept(PASSED, s), strips.particles[s + 1]
+    column = columns_of(zero, particles.deformation)
     with walk(strips.particles[s], end) as (p, go_on):
         some = group(scheme, grid, particles, p, end)
         with when(some.size > 0):
-            F = rows(state, some.numbers, column.F, tensor)
-            at = support(grid, some.first, some.offset, domain(grid, F))
+            at = support_of(grid, particles, some)
             m, V = scale(not_fitted(grid, nodes, some), rows(state, some.numbers, column.mass, (0.0, 0.0)))
-            v, sigma = rows(state, some.numbers, column.velocity, zero), rows(state, some.numbers, column.stress, symmetric)
+            v = rows(state, some.numbers, column.velocity, zero)
             spread_inertia(scheme, grid, particles, nodes, some.numbers, m, v, at)
             with when(step.forces):
+                F, sigma = strain_and_stress(particles, some.numbers, zero)
                 spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
             with when((step.body.shape[0] > 0) & opposite(scheme.nodal_body)):
                 b = rows(step.body[step.load], places(particles, some.numbers), 0, zero)
@@ -99,7 +99,7 @@ def particles_to_grid(
 def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int) -> int:
     """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of the nodes, to the particles and back."""
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
-        m = some.present * rows(particles.state, some.numbers, columns_of(grid.lower).mass, (0.0,))[0]
+        m = some.present * rows(particles.state, some.numbers, columns_of(grid.lower, particles.deformation).mass, (0.0,))[0]
         spread(grid, nodes.inertia, 1, at, scale(m, gather(grid, nodes.term, at)))
     return PASSED
 
@@ -115,8 +115,8 @@ def grid_to_particles(
     momentum goes to the grid, which leaves both to `strain_particles`. FAILED at J <= 0, STRAYED when a particle passes the limits of
     the strip (2,) [m].
     """
-    zero, _, _ = null(grid.lower)
-    column = columns_of(zero)
+    zero = null(grid.lower)[0]
+    column = columns_of(zero, particles.deformation)
     kick, leap = leapfrog(step.n, step.dt)
     passed, state = Kept(PASSED, s), particles.state
     limits, sums = strips.limits[s], strips.sums[s]
@@ -124,10 +124,7 @@ def grid_to_particles(
         sums[c] = 0.0
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
         before = rows(state, some.numbers, column.velocity, zero)
-        moved = gather(grid, nodes.velocity, at)
-        a = either(step.record | (scheme.flip > 0), lambda: gather(grid, nodes.acceleration, at), moved)
-        gradient = gather_tensor(grid, nodes.velocity, at)
-        affine = gather_affine(scheme, grid, nodes, at, gradient)
+        a = either(step.record | (scheme.flip > 0), lambda: gather(grid, nodes.acceleration, at), zero)
         with when(step.record):
             m = some.present * rows(state, some.numbers, column.mass, (0.0,))[0]
             now, x = axpy(kick, a, before), rows(state, some.numbers, 0, zero)
@@ -137,6 +134,9 @@ def grid_to_particles(
             add_totals(sums, MOMENTUM, m, now)
             add_totals(sums, MOMENTUM + len(zero), m, spin)
         with when(step.advance):
+            moved = gather(grid, nodes.velocity, at)
+            gradient = gather_tensor(grid, nodes.velocity, at)
+            affine = gather_affine(scheme, grid, nodes, at, gradient)
             v = axpy(scheme.flip, axpy(leap, a, before), scale(1 - scheme.flip, moved))
             if len(scheme.series) > 0:
                 v = either(scheme.full_mass, v, lambda: axpy(1.0, gather(grid, nodes.projected, at), v))
@@ -161,8 +161,8 @@ def strain_particles(scheme: Scheme, grid: Grid, particles: Particles, nodes: No
     USF: from the velocities of the grid before the kick, then the internal forces. MUSL: from those that were projected again,
     after x_p += dt sum_I N_I v_I. FAILED at J <= 0, STRAYED when a particle passes the limits of the strip (2,) [m].
     """
-    zero, tensor, symmetric = null(grid.lower)
-    column = columns_of(zero)
+    zero = null(grid.lower)[0]
+    column = columns_of(zero, particles.deformation)
     passed, first_of_all = Kept(PASSED, s), equal(scheme.schedule, USF)
     state, limits, sums = particles.state, strips.limits[s], strips.sums[s]
     sums[HEAT] = 0.0
@@ -174,7 +174,7 @@ def strain_particles(scheme: Scheme, grid: Grid, particles: Particles, nodes: No
         strained = strain(scheme, particles, some, scale(step.dt, gradient), step.dt, sums, zero)
         passed.value = least(passed.value, strained)
         with when(first_of_all):
-            F, sigma = rows(state, some.numbers, column.F, tensor), rows(state, some.numbers, column.stress, symmetric)
+            F, sigma = strain_and_stress(particles, some.numbers, zero)
             V = some.present * rows(state, some.numbers, column.volume, (0.0,))[0]
             spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
     return passed.value
@@ -194,8 +194,8 @@ def record_fields(
     end: int,
 ) -> None:
     """u^n, sigma^n, volume and v^n = v^{n-1/2} + dt/2 sum_I N_I a_I, as output k in the order of the problem."""
-    zero, tensor, symmetric = null(grid.lower)
-    column = columns_of(zero)
+    zero = null(grid.lower)[0]
+    column = columns_of(zero, particles.deformation)
     kick, _ = leapfrog(n, dt)
     state = particles.state
     with groups(scheme, grid, particles, begin, end) as (some, at):
@@ -203,8 +203,9 @@ def record_fields(
         now = axpy(kick, gather(grid, nodes.acceleration, at), rows(state, some.numbers, column.velocity, zero))
         store_rows(outputs.displacement[k], at_place, 0, axpy(-1.0, rows(particles.reference, at_place, 0, zero), x))
         store_rows(outputs.velocity[k], at_place, 0, now)
-        store_rows(outputs.stress[k], at_place, 0, rows(state, some.numbers, column.stress, symmetric))
-        J = where(keeps_volume(scheme), 1.0, det(rows(state, some.numbers, column.F, tensor)))
+        F, sigma = strain_and_stress(particles, some.numbers, zero)
+        store_rows(outputs.stress[k], at_place, 0, sigma)
+        J = where(keeps_volume(scheme), 1.0, det(F))
         volumes = taken(J * rows(state, some.numbers, column.volume, (0.0,))[0])
         for number, volume in zip(at_place, volumes, strict=True):
             outputs.volume[k, number] = volume

@@ -20,7 +20,7 @@ import numpy as np
 from mpmverify.problem import Array, Traction
 
 from .basis import ONE, TLS, Axis, Basis
-from .deformation import force_columns
+from .deformation import force_columns, strain_and_stress
 from .fits import (
     FITTED,
     OPEN,
@@ -85,9 +85,9 @@ def add_products(cell: Array, first: int, stride: int, functions, values) -> Non
 @traced
 def add_to_cell(scheme: Scheme, grid: Grid, particles: Particles, some: Group, cell: Array, step: Step) -> None:
     """Add to the sums of a cell what a group of its particles has, with what makes `forces` or without."""
-    zero, tensor, symmetric = null(grid.lower)
-    column, state, d = columns_of(zero), particles.state, len(zero)
-    F, sigma = rows(state, some.numbers, column.F, tensor), rows(state, some.numbers, column.stress, symmetric)
+    zero, d, state = null(grid.lower)[0], len(grid.lower), particles.state
+    column = columns_of(zero, particles.deformation)
+    F, sigma = strain_and_stress(particles, some.numbers, zero)
     m, V0 = rows(state, some.numbers, column.mass, (0.0, 0.0))
     V = where(scheme.total, V0, V0 * det(F))
     functions = taylor(grid.width, some.offset)

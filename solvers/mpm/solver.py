@@ -283,12 +283,15 @@ class MaterialPoint:
         assert isinstance(problem.material, LinearElastic)
         count, dimension = reference.shape
         kept = dimension**2 if self.transfer.affine else 0
-        state = np.zeros((count, columns_of((0.0,) * dimension).affine + kept))
+        domains = BASES[self.basis].kind in (GIMP, CPDI)
+        F = np.eye(dimension) + problem.initial_field("displacement_gradient", reference).reshape(-1, dimension, dimension)
+        deformation = (0.0,) * (dimension**2 if domains or LAWS[type(problem.material)] != LINEAR_ELASTIC else 1)
+        state = np.zeros((count, columns_of((0.0,) * dimension, deformation).affine + kept))
         numbers = np.arange(count, dtype=np.int64)
-        particles = Particles(numbers, reference, state, numbers.copy())
+        particles = Particles(numbers, reference, state, numbers.copy(), deformation)
         particles.position[:] = reference + problem.initial_field("displacement", reference)
         particles.velocity[:] = problem.initial_field("velocity", reference)
-        particles.F[:] = np.eye(dimension).ravel() + problem.initial_field("displacement_gradient", reference)
+        particles.F[:] = F.reshape(count, -1) if len(deformation) == dimension**2 else np.linalg.det(F)[:, None]
         particles.stress[:] = problem.initial_field("stress", reference)
         particles.mass[:], particles.volume[:] = problem.material.density * volume, volume
         return particles

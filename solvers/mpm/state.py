@@ -95,7 +95,7 @@ def grid_of(axes: tuple[Axis, ...], h: float, basis: Basis, ghosts: Integers, ha
 class Columns(NamedTuple):
     """First column of what makes up the state of a particle; x [m] comes first.
 
-    v at t^{n-1/2} [m/s], F [1], sigma [Pa], m [kg], V0 [m^d], and B [m^2/s], or B D^-1 [1/s], where the transfer keeps one.
+    v at t^{n-1/2} [m/s], F or J = det F [1], sigma [Pa], m [kg], V0 [m^d], and B [m^2/s], or B D^-1 [1/s], where the transfer keeps one.
     """
 
     velocity: int
@@ -107,17 +107,17 @@ class Columns(NamedTuple):
 
 
 @traced
-def columns_of(zero: Vector) -> Columns:
-    """Columns of the state in as many dimensions as a vector has."""
+def columns_of(zero: Vector, deformation: Vector) -> Columns:
+    """Columns of the state in as many dimensions as a vector has, with as many numbers of the deformation as another one has."""
     d = len(zero)
-    stress = 2 * d + d * d
+    stress = 2 * d + len(deformation)
     mass = stress + d * (d + 1) // 2
     return Columns(d, 2 * d, stress, mass, mass + 1, mass + 2)
 
 
 class Particles(NamedTuple):
     """Place in the order of the problem (P,), X in that order [m] (P, d), the state (P, K), a row of which is read at once, and in which
-    order the passes take them (P,).
+    order the passes take them (P,); as many zeros as they keep numbers of their deformation, d^2 of F or one, J, if that is enough.
 
     See `Columns`; the properties are views.
     """
@@ -126,13 +126,14 @@ class Particles(NamedTuple):
     reference: Array
     state: Array
     order: Integers
+    deformation: tuple[float, ...]
 
     def _part(self, first: int, count: int) -> Array:
         return self.state[:, first : first + count]
 
     @property
     def _columns(self) -> Columns:
-        return columns_of((0.0,) * self.reference.shape[1])
+        return columns_of((0.0,) * self.reference.shape[1], self.deformation)
 
     @property
     def position(self) -> Array:
@@ -144,7 +145,7 @@ class Particles(NamedTuple):
 
     @property
     def F(self) -> Array:  # noqa: N802 (the field writes it so)
-        return self._part(self._columns.F, self.reference.shape[1] ** 2)
+        return self._part(self._columns.F, len(self.deformation))
 
     @property
     def stress(self) -> Array:

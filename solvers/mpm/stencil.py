@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 from .basis import CPDI, GIMP, LONGEST, MLS, SHORTEST, along, integrated_along, moment_along
 from .flow import either
-from .lanes import built, floor, largest, least, repeated, split, whole
+from .lanes import first_lanes, floor, largest, leading, least, repeated, split, whole
 from .memory import row, rows
 from .state import Grid, Particles, Scheme, columns_of
 from .tensors import cofactor, det
 from .tracing import traced
 from .values import COUNT, where
-from .vectors import Vector, axpy, dot, identity, null, scale
+from .vectors import Vector, axpy, dot, identity, scale
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -72,6 +72,12 @@ def inside(grid: Grid, s: Vector) -> bool:
 
 
 @traced
+def in_a_cell(s, cells):
+    """Where places are in one of the cells of every axis, which its upper end and NaN are not."""
+    return reduce(operator.and_, [(a >= 0.0) & (a < n) for a, n in zip(s, cells, strict=True)])
+
+
+@traced
 def domain(grid: Grid, F):
     """Deformation gradient of the domain of a particle, where it has one."""
     if len(grid.kind) not in (len(GIMP), len(CPDI)):
@@ -93,6 +99,13 @@ def supported(grid: Grid, s: Vector, F) -> bool:
 
 
 @traced
+def stretches(grid: Grid, F):
+    """How much the domain of a particle of GIMP stretches along the axes (d,)."""
+    d = len(grid.lower)
+    return F[:: d + 1] if len(grid.kind) == len(GIMP) else (1.0,) * d
+
+
+@traced
 def half_domain(grid: Grid, stretch):
     """Half the domain of a particle of GIMP along an axis, in cells."""
     return least(largest(stretch, SHORTEST) * grid.half, LONGEST)
@@ -103,7 +116,7 @@ def ends(grid: Grid, F, s):
     """How far before their functions begin particles lie, in cells (d,): zero, or minus half the domain of GIMP and the padding."""
     if len(grid.kind) != len(GIMP):
         return (0.0,) * len(s)
-    return tuple(grid.padding[k] - half_domain(grid, F[(len(s) + 1) * k]) for k in range(len(s)))
+    return tuple(grid.padding[k] - half_domain(grid, stretch) for k, stretch in enumerate(stretches(grid, F)))
 
 
 @traced
@@ -123,7 +136,7 @@ def begins(grid: Grid, s: Vector, F):
     d = len(s)
     if len(grid.kind) == len(CPDI):
         return (0,) * d, s
-    along_axes = [begin(grid, k, s[k], F[(d + 1) * k]) for k in range(d)]
+    along_axes = [begin(grid, k, s[k], stretch) for k, stretch in enumerate(stretches(grid, F))]
     return tuple(first for first, _ in along_axes), tuple(offset for _, offset in along_axes)
 
 
@@ -131,7 +144,7 @@ def begins(grid: Grid, s: Vector, F):
 def found(scheme: Scheme, grid: Grid, particles: Particles, p: int):
     """Whether a particle is on the grid, and what `begins` says of it."""
     s = place(scheme, grid, particles, p)
-    F = domain(grid, row(particles.state, (p, columns_of(grid.lower).F), null(grid.lower)[1]))
+    F = domain(grid, row(particles.state, (p, columns_of(grid.lower, particles.deformation).F), particles.deformation))
     first, offset = begins(grid, s, F)
     return supported(grid, s, F), first, offset
 
@@ -143,6 +156,19 @@ def places(particles: Particles, which):
 
 
 @traced
+def in_cells(scheme: Scheme, grid: Grid, particles: Particles, which):
+    """How far particles, by their numbers (4,), are from the lower ends in cells (d,), and how far their functions begin."""
+    x = either(
+        scheme.total,
+        lambda: rows(particles.reference, places(particles, which), 0, grid.lower),
+        lambda: rows(particles.state, which, 0, grid.lower),
+    )
+    s = scale(grid.scale, axpy(-1.0, grid.lower, x))
+    F = domain(grid, rows(particles.state, which, columns_of(grid.lower, particles.deformation).F, particles.deformation))
+    return s, axpy(1.0, ends(grid, F, s), s) if len(grid.kind) == len(GIMP) else s
+
+
+@traced
 def group(scheme: Scheme, grid: Grid, particles: Particles, p: int, end: int) -> Group:
     """The particles from place p of the order on, before `end`, that one stencil serves."""
     order, last = particles.order, end - 1
@@ -151,22 +177,21 @@ def group(scheme: Scheme, grid: Grid, particles: Particles, p: int, end: int) ->
         here, first, middle = found(scheme, grid, particles, q)
         return Group(where(here, 1, 0), (q,), 1.0, first, middle)
     which = q, *(order[least(p + k, last)] for k in range(1, COUNT))
-    x = either(
-        scheme.total,
-        lambda: rows(particles.reference, places(particles, which), 0, grid.lower),
-        lambda: rows(particles.state, which, 0, grid.lower),
-    )
-    s = scale(grid.scale, axpy(-1.0, grid.lower, x))
-    F = domain(grid, rows(particles.state, which, columns_of(grid.lower).F, null(grid.lower)[1]))
-    offset, first, alike = split(axpy(1.0, ends(grid, F, s), s), s, grid.cells)
+    s, begin = in_cells(scheme, grid, particles, which)
+    offset, under, shared = split(begin)
+    if len(grid.kind) == len(GIMP):
+        alike = leading(reduce(operator.and_, [shared, in_a_cell(s, grid.cells), *(a >= 0.0 for a in begin)]))
+    else:
+        alike = where(in_a_cell(under, grid.cells), leading(shared), 0)
 
     def outside_or_on_the_edge():
         here, first, alone = found(scheme, grid, particles, q)
-        return where(here, 1, 0), first, axpy(1.0, alone, scale(0.0, s))
+        return where(here, 1, 0), first, alone
 
-    count, first, offset = either(alike > 0, (least(alike, end - p), first, offset), outside_or_on_the_edge)
+    together = least(alike, end - p), tuple(whole(a) for a in under), offset
+    count, first, offset = either(alike > 0, together, outside_or_on_the_edge)
     numbers = q, *(where(count > k, which[k], q) for k in range(1, COUNT))
-    present = built((1.0, *(where(count > k, 1.0, 0.0) for k in range(1, COUNT))))
+    present = first_lanes(largest(count, 1))
     return Group(count, numbers, present, first, repeated(offset, present))
 
 
@@ -209,7 +234,7 @@ def support(grid: Grid, first, offset, F):
     if len(grid.kind) == len(CPDI):
         share = grid.scale / (2**d * grid.half * det(F))
         return offset, scale(grid.half, F), scale(share, cofactor(F))
-    along_axes = [functions(grid, k, first[k], offset[k], F[(d + 1) * k]) for k in range(d)]
+    along_axes = [functions(grid, k, first[k], offset[k], stretch) for k, stretch in enumerate(stretches(grid, F))]
     N, dN, place = zip(*along_axes, strict=True)
     return node_of(grid, first), N, dN, first, place
 

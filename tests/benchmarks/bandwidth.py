@@ -26,10 +26,10 @@ LEAN = 208
 def bytes_of_step(dimension: int) -> tuple[int, int]:
     """Bytes that linear USL with FLIP moves for a particle and step, in each pass: read to the grid, read and written from it.
 
-    The state x, v, F, sigma, m and V lies in one row, so that all of it comes and goes with its cache lines; either pass reads whose turn it
+    The state x, v, J, sigma, m and V lies in one row, so that all of it comes and goes with its cache lines; either pass reads whose turn it
     is. To bring particles of a cell together again, every few steps, is not counted.
     """
-    state, turn = 2 * dimension + dimension**2 + dimension * (dimension + 1) // 2 + 2, 1
+    state, turn = 2 * dimension + 1 + dimension * (dimension + 1) // 2 + 2, 1
     return DOUBLE * (state + turn), DOUBLE * (2 * state + turn)
 
 

@@ -1,8 +1,8 @@
 """Largest resident memory of a run: `python tests/benchmarks/memory.py`.
 
-In two dimensions a particle of linear USL with FLIP takes 104 bytes of state, 20 of its place, its turn and its node, and 24 of its layout, a
+In two dimensions a particle of linear USL with FLIP takes 80 bytes of state, 20 of its place, its turn and its node, and 24 of its layout, a
 node 128 bytes (32 a particle at four a cell), a cell 8 (2 a particle), each output time 64 bytes a particle and 16 more for its position at the
-end. With the first and the last time alone the most is reached there: 104 + 20 + 24 + 32 + 2 + 2 (64 + 16) = 342.
+end. With the first and the last time alone the most is reached there: 80 + 20 + 24 + 32 + 2 + 2 (64 + 16) = 318.
 """
 
 import resource
