@@ -6,41 +6,16 @@ itself.
 
 import math
 import operator
-from collections.abc import Callable
 from functools import reduce
-from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import lower_builtin
+from numba.core import cgutils
 
 from .tracing import traced
-from .values import COUNT, DOUBLE, LANES, TRUTH, VECTOR, WHOLE, Lanes, Value, code_of, real, shuffled, splat, where
+from .values import COUNT, DOUBLE, TRUTH, VECTOR, WHOLE, Value, code_of, real, shuffled, splat, where
 
 # What is a number or lanes has no annotation.
 # mypy: disable-error-code="no-untyped-def"
-
-
-def _arithmetic(operation: Callable[..., Any]) -> None:
-    """Give lanes an operation, where it has two sides with lanes or a number on the other, in functions that numba compiles."""
-
-    @infer_global(operation)
-    class _Template(AbstractTemplate):
-        def generic(self, args, kws):
-            fitting = LANES in args and all(arg == LANES or isinstance(arg, types.Number) for arg in args)
-            return signature(LANES, *(arg if arg == LANES else types.float64 for arg in args)) if fitting else None
-
-    @lower_builtin(operation, Lanes)
-    @lower_builtin(operation, Lanes, Lanes)
-    @lower_builtin(operation, types.Float, Lanes)
-    @lower_builtin(operation, Lanes, types.Float)
-    def _lanewise(context, builder, sig, args):
-        return operation(*(Value(builder, arg) for arg in args)).code
-
-
-for _operation in (operator.add, operator.sub, operator.mul, operator.truediv, operator.neg):
-    _arithmetic(_operation)
 
 
 def built(items):
