@@ -53,7 +53,7 @@ def place(scheme: Scheme, grid: Grid, particles: Particles, p: int) -> Vector:
 
 
 @traced
-def back(grid: Grid, k: int, s: float) -> float:
+def back(grid: Grid, k: int, s):
     """A distance from the lower end of axis k in cells, between its ends if they are joined."""
     there = (s >= 0.0) & (s < grid.cells[k])
     return where(grid.periodic[k], where(there, s, s - grid.cells[k] * floor(s / grid.cells[k])), s)
@@ -228,7 +228,7 @@ def cell_number(grid: Grid, first) -> int:
 def support(grid: Grid, first, offset, F):
     """Support of particles whose functions begin at an offset (d,) from the first node along the axes (d,), for `spread` and `gather`.
 
-    Their domains have the deformation gradient F.
+    Their domains, if they have some, have the deformation gradient F.
     """
     d = len(offset)
     if len(grid.kind) == len(CPDI):
