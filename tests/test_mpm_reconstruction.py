@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 from mpmverify.errors import UsageError
 from mpmverify.exact.steffen import steffen
 from mpmverify.norms import NORMS, errors
-from mpmverify.problem import Constant, Discretisation, Fixed, NeoHookean, Periodic, Problem, Traction
+from mpmverify.problem import Constant, Discretisation, Fixed, LinearElastic, NeoHookean, Periodic, Problem, Traction
 from mpmverify.shapes import Disk
 from mpmverify.solvers.mpm import APIC, FLIP, PIC, MaterialPoint, fmpm, sweeps, xpic
 from mpmverify.solvers.mpm.basis import BASES
@@ -121,6 +121,22 @@ def test_a_rigid_velocity_is_that_of_every_node_and_the_second_projection_brings
     assert nodes.inertia[1:] == pytest.approx(particles.velocity[0][:, None] * nodes.inertia[0], rel=1e-12)
     assert not nodes.internal.any()
     assert not nodes.external.any()
+
+
+@pytest.mark.parametrize("basis", ["tls-linear", "tls-cubic", "cubic"])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_particles_that_keep_the_volume_ratio_alone_give_the_grid_what_others_do(basis, dimension):
+    scheme, grid, particles, nodes, _ = cloud(basis, dimension, Fixed())
+    spread(scheme, grid, particles, nodes)
+    problem = replace(box(dimension, Fixed()), material=LinearElastic(1.0, 2.0))
+    variant, at = MaterialPoint("USL", FLIP, basis), Discretisation(H, 0.3, 2)
+    alone = variant._particles(problem, particles.reference, particles.volume)
+    alone.velocity[:], alone.stress[:], alone.mass[:] = particles.velocity, particles.stress, particles.mass
+    alone.F[:, 0] = np.linalg.det(particles.F.reshape(-1, dimension, dimension))
+    others = variant._nodes(variant._axes(problem, at), problem)
+    spread(variant._scheme(problem), grid, alone, others)
+    for name in ("inertia", "internal"):
+        assert getattr(others, name) == pytest.approx(getattr(nodes, name), rel=1e-11, abs=1e-11)
 
 
 @bases

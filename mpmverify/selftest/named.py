@@ -115,7 +115,11 @@ MATERIAL_POINT = (
         MPM,
         "deformation gradient updated by a sum in the updated Lagrangian formulation",
         (DEFORMATION, "lambda: deform(increment, F)", "lambda: axpy(1.0, increment, F)"),
-        (DEFORMATION, "F[0] * det(axpy(1.0, increment, identity(increment)))", "F[0] + increment[0] + increment[-1]"),
+        (
+            DEFORMATION,
+            "F[0] * det(axpy(1.0, increment, identity(increment)))",
+            "F[0] + sum(increment[:: {4: 3, 9: 4}[len(increment)]])",
+        ),
     ),
     _fault(
         MPM,

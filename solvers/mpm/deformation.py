@@ -51,7 +51,7 @@ def deformed(scheme: Scheme, increment: Tensor, F: Tensor):
 
 @traced
 def strain(scheme: Scheme, particles: Particles, some: Group, increment: Tensor, dt: float, sums: Array, zero: Vector) -> int:
-    """F += dt dv/dX or F = (I + dt dv/dx) F, the stress that the law makes of it, and the energy that turned into heat.
+    """F or J after the step, see `deformed`, the stress that the law makes of it, and the energy that turned into heat.
 
     FAILED at a law or a volume that meets J <= 0.
     """

@@ -1,4 +1,4 @@
-"""Lanes: the doubles of one register, one for each of four particles whose stencil is the same.
+"""Lanes: the doubles of one register, one for each of four particles.
 
 What the passes compute with is a number for one particle, or lanes for four: traced functions take both. LLVM does not find this out by
 itself.

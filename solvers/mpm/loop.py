@@ -89,7 +89,7 @@ def march_through(
     output: int,
     sources: int = SOURCES,
 ) -> tuple[int, int, int]:
-    """Passes begin <= n < end of the scheme, each at x^n, F^n, sigma^n and v^{n-1/2}; pass N records and does not advance.
+    """Passes begin <= n < end of the scheme, each at x^n, F^n or J^n, sigma^n and v^{n-1/2}; pass N records and does not advance.
 
     Parameters
     ----------

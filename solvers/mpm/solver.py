@@ -74,7 +74,8 @@ class MaterialPoint:
 
     Notes
     -----
-    Position, stress and deformation gradient live at t^n, velocity at t^{n-1/2}; what is returned is synchronous. A traction
+    Position, stress and deformation live at t^n, velocity at t^{n-1/2}; what is returned is synchronous. Of the deformation gradient a
+    linear elastic body keeps its determinant alone, unless its particles have domains. A traction
     acts on the end functions of the grid: in the updated Lagrangian formulation a loaded face must stay within its cells.
     Where a free surface crosses a cell by little, f/m of the nodes beyond it is large: harmless to B-splines; linear functions need
     FLIP or FMPM, with USF or MUSL, to strain by velocities that the mass of the particles has averaged. Taylor least squares in the

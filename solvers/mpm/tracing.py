@@ -2,7 +2,8 @@
 
 Python runs a traced function once for each call of it that is compiled: what it asks of lengths, and its loops over them, are known by then
 and make no code. Such a function has no branches on values, see `where`, and what `flow` has in their place. To numba it is one instruction, where it
-would take a tenth of a second for a function of its own. Where there are neither arrays nor lanes it is what it says to Python, too.
+would take a tenth of a second for a function of its own. Where there are neither arrays nor lanes it is what it says to Python, too,
+but that both of what `where` is given have to exist.
 """
 
 from collections.abc import Callable
