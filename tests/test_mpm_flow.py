@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from numba import njit
 from numba.core.errors import TypingError
 
+from mpmverify.selftest.trip import trip
 from mpmverify.solvers.mpm.flow import Kept, as_long_as, each, either, one_of, walk, when
 from mpmverify.solvers.mpm.lanes import built as lanes
 from mpmverify.solvers.mpm.lanes import total
@@ -207,6 +208,34 @@ def test_each_function_that_is_written_once_is_one_and_its_calls_are_alike():
 
     with pytest.raises((TypingError, TypeError), match="other types"):
         unlike(1.0, 2, np.zeros(1))
+
+
+@traced
+def by_law(number, x):
+    def second():
+        trip(locals())
+        return 2 * x
+
+    return one_of(number, {1: lambda: x, 2: second}, 0.0)
+
+
+@traced
+def with_arrays_at_hand(number, values, places):
+    values[1] = by_law(number, values[1])
+
+
+@pytest.mark.parametrize(("number", "reached"), [(0, False), (1, False), (2, True)])
+def test_what_is_compiled_and_not_run_trips_nothing(number, reached):
+    """The self-test asks so whether a trial comes to a passage; one without arrays spoils those of the function that calls it."""
+    values = np.array([1.0, 2.0, 3.0])
+    njit(lambda n, values, places: with_arrays_at_hand(n, values, places))(number, values, np.arange(3))
+    assert np.isnan(values[[0, 2]]).all() == reached
+    assert np.array_equal(values[[0, 2]], [1.0, 3.0]) != reached
+
+
+def test_a_trip_without_any_array_is_one_at_once():
+    with pytest.raises(ArithmeticError):
+        trip({"x": 1.0})
 
 
 @traced

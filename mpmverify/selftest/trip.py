@@ -1,29 +1,31 @@
 """What stands before a statement to find out whether a trial comes to it."""
 
+import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 
 def trip(names: Mapping[str, object]) -> None:
-    """Spoil both ends of every array that a traced function of the material point method has at hand, when compiled code comes to
-    where it is called.
+    """Spoil both ends of every array that a traced function of the material point method has at hand, or if it has none the next of those
+    that call it, when compiled code comes to where it is called.
 
     Raises
     ------
     ArithmeticError
-        If there is none, at once.
+        If none has, at once.
     """
-    spoilt = 0
-    for array in _arrays(list(names.values())):
+    arrays, frame = list(_arrays(list(names.values()))), sys._getframe(1).f_back
+    while not arrays and frame:
+        arrays, frame = list(_arrays(list(frame.f_locals.values()))), frame.f_back
+    if not arrays:
+        raise ArithmeticError
+    for array in arrays:
         some = array.shape[0] > 0
         for length in array.shape[1:]:
             some = some & (length > 0)
         with array.builder.if_then(some.code):
             for end in (0, -1):
                 array.store(array.address(*[end] * len(array.shape)), 0, float("nan"))
-        spoilt += 1
-    if not spoilt:
-        raise ArithmeticError
 
 
 def _arrays(found: Any) -> Iterator[Any]:

@@ -155,10 +155,7 @@ TRIP = "__import__('mpmverify.selftest.trip', fromlist=['trip']).trip(locals())"
 
 
 def _trip(edit: Edit, sources: Path) -> Edit:
-    """Exception in front of the statement that an edit changes, or in a function that writes compiled code a `trip` in it.
-
-    Where there is no array at hand the exception comes when the code is compiled: such a passage counts as exercised.
-    """
+    """Exception in front of the statement that an edit changes, or in a function that writes compiled code a `trip` in it."""
     text = (sources / edit.file).read_text(encoding="utf-8")
     lines = text.splitlines(keepends=True)
     line = text.count("\n", 0, edit.begin(text)) + 1
