@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from from_python import entries
+from from_python import callable_from_python, entries, of_the_first
 
 from mpmverify.problem import Discretisation, LinearElastic, Periodic, Problem, Traction
 from mpmverify.solvers import mpm
-from mpmverify.solvers.mpm import MaterialPoint
+from mpmverify.solvers.mpm import MaterialPoint, stencil
 from mpmverify.solvers.mpm.order import strips
 from mpmverify.solvers.mpm.state import FAILED, PASSED, UNSORTED
+from mpmverify.solvers.mpm.tracing import traced
 
 order = entries(mpm.order)
 CELLS, H = 40, 1 / 40
@@ -64,6 +65,35 @@ def test_particles_of_one_stencil_are_brought_together_through_joined_ends_too()
     first = cell @ [1, grid.stride[-1]]
     assert len(set(first[of_strip])) > 100
     assert np.array_equal(np.argsort(shared.node[of_strip], kind="stable"), np.argsort(first[of_strip], kind="stable"))
+
+
+@traced
+def group_of(scheme, grid, particles, p, end):
+    some = stencil.group(scheme, grid, particles, p, end)
+    return some.size, some.first, of_the_first(some.offset)
+
+
+@pytest.mark.parametrize("basis", ["linear", "cubic", "cpgimp"])
+def test_a_group_is_as_large_beyond_joined_ends_as_between_them(basis):
+    found = []
+    for shift in ([0.0, 0.0], [-2.0, 3.0]):
+        scheme, grid, particles, nodes, shared = state(basis, Periodic(), count=6400)
+        particles.position[:] = (np.floor(particles.position / H * 64) + 0.5) / 64 * H + shift
+        shared.particles[1:] = len(particles.place)
+        assert order.arrange(scheme, grid, particles, nodes, shared, 0) == PASSED
+        sizes, firsts, p = [], [], 0
+        while p < len(particles.place):
+            size, first, offset = call_group(scheme, grid, particles, p, len(particles.place))
+            assert all(0 <= a < 1 for a in offset)
+            sizes.append(size)
+            firsts.append(first)
+            p += size
+        found.append((sizes, firsts))
+    assert found[0] == found[1]
+    assert max(found[0][0]) == 4
+
+
+call_group = callable_from_python(group_of)
 
 
 def test_sorted_particles_lie_by_cell_and_keep_what_is_theirs():

@@ -12,7 +12,7 @@ from .basis import CPDI
 from .flow import Kept, as_long_as, each, when
 from .lanes import floor, largest, least, taken, whole
 from .state import FAILED, PASSED, UNSORTED, Grid, Integers, Nodes, Particles, Scheme, Strips
-from .stencil import back, cell_number, in_cells, inside, node_of, place
+from .stencil import cell_number, in_cells, inside, node_of, place
 from .tracing import traced
 from .values import COUNT, equal, opposite, real, where
 
@@ -84,7 +84,7 @@ def arrange(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, stri
     with each(begin, end, COUNT) as p:
         which = [least(p + k, end - 1) for k in range(COUNT)]
         _, first = in_cells(scheme, grid, particles, which)
-        nodes_of_four = node_of(grid, [floor(back(grid, k, along)) for k, along in enumerate(first)]) - lowest
+        nodes_of_four = node_of(grid, [floor(along) for along in first]) - lowest
         for k, one in enumerate(taken(least(largest(nodes_of_four, 0.0), real(highest)))):
             node[which[k]] = whole(one)
             share[node[which[k]] + 1] += where(p + k < end, 1, 0)

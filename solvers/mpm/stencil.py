@@ -156,6 +156,13 @@ def places(particles: Particles, which):
 
 
 @traced
+def images(grid: Grid, s: Vector):
+    """Places in cells (d,), those beyond joined ends between them, though next to an end it may be on its other side: `back`, sooner."""
+    lengths = [where(periodic, cells, 0) for periodic, cells in zip(grid.periodic, grid.cells, strict=True)]
+    return tuple(a - length * floor(a * (1 / n)) for a, length, n in zip(s, lengths, grid.cells, strict=True))
+
+
+@traced
 def in_cells(scheme: Scheme, grid: Grid, particles: Particles, which):
     """How far particles, by their numbers (4,), are from the lower ends in cells (d,), and how far their functions begin."""
     x = either(
@@ -163,7 +170,7 @@ def in_cells(scheme: Scheme, grid: Grid, particles: Particles, which):
         lambda: rows(particles.reference, places(particles, which), 0, grid.lower),
         lambda: rows(particles.state, which, 0, grid.lower),
     )
-    s = scale(grid.scale, axpy(-1.0, grid.lower, x))
+    s = images(grid, scale(grid.scale, axpy(-1.0, grid.lower, x)))
     F = domain(grid, rows(particles.state, which, columns_of(grid.lower, particles.deformation).F, particles.deformation))
     return s, axpy(1.0, ends(grid, F, s), s) if len(grid.kind) == len(GIMP) else s
 
