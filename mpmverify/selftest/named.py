@@ -3,6 +3,8 @@
 In one dimension an engineering shear strain taken for a tensorial one shows as the doubled shear term of the modulus.
 """
 
+from textwrap import indent
+
 from mpmverify.selftest.faults import Edit, Fault
 
 MPM, TG, FEM = "mpm", "taylor_galerkin", "fem"
@@ -76,7 +78,7 @@ HISTORIC = (
     _fault(
         MPM,
         "particle stress scaled in place by m/rho",
-        (PASSES, "zero))\n            with when((step", "zero))\n" + SCALED + "            with when((step"),
+        (PASSES, "zero))\n            with when((step", "zero))\n" + indent(SCALED, 4 * " ") + "            with when((step"),
         (PASSES, "F, zero))\n    return", "F, zero))\n" + SCALED + "    return"),
     ),
     _fault(MPM, "boundary condition on the momentum and not on the force", (GRID, HELD, "")),
