@@ -24,12 +24,10 @@ from mpmverify.material import (
     PlaneStress,
     SaintVenantKirchhoff,
 )
-from mpmverify.problem import Problem, Velocity
 from mpmverify.solvers import mpm
-from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.solvers.mpm.constitution import LAWS
 
-constitution, deformation = entries(mpm.constitution), entries(mpm.deformation)
+constitution = entries(mpm.constitution)
 DT = 0.01
 HYPERELASTIC = [law(7.0, 2.0, 0.3) for law in (NeoHookean, NeoHookeanSplit, Hencky, SaintVenantKirchhoff)]
 SMALL_STRAIN = [
@@ -59,7 +57,6 @@ def tensors_of(size, dimensions=dimensions):
 
 
 displacement_gradients = tensors_of(0.2)
-pairs = dimensions.flatmap(lambda d: st.tuples(*2 * [arrays(float, (d, d), elements=st.floats(-0.2, 0.2))]))
 increments = dimensions.flatmap(lambda d: st.tuples(*3 * [arrays(float, (d, d), elements=st.floats(-0.01, 0.01))]))
 seeds = st.integers(0, 2**32 - 1)
 
@@ -138,49 +135,6 @@ def test_every_elastic_material_has_its_law():
     assert set(LAWS) == {type(material) for material in MATERIALS} == declared
     assert len(set(laws)) == len(laws) - 1  # plane stress is linear elastic
     assert [constitution.finite_strain(law) for law in laws] == [material in HYPERELASTIC for material in MATERIALS]
-
-
-# Deformation.
-
-
-@given(gradients=pairs, formulation=st.sampled_from(["updated", "total"]))
-def test_a_particle_that_keeps_the_volume_ratio_alone_has_that_of_the_deformation_gradient(gradients, formulation):
-    F, increment, d = np.eye(len(gradients[0])) + gradients[0], gradients[1], len(gradients[0])
-    faces = dict.fromkeys([axis + side for axis in "xyz"[:d] for side in "-+"], Velocity())
-    scheme = MaterialPoint(formulation=formulation)._scheme(
-        Problem("box", (0.0,) * d, (1.0,) * d, LinearElastic(1.0, 1.0), faces, 1.0)
-    )
-    J = float(np.linalg.det(F))
-    (alone,) = deformation.deformed(scheme, row_major(increment), (J,))
-    after = np.reshape(deformation.deformed(scheme, row_major(increment), row_major(F)), (d, d))
-    if formulation == "updated":
-        assert after == pytest.approx((np.eye(d) + increment) @ F, abs=1e-14)
-        assert alone == pytest.approx(np.linalg.det(after), rel=1e-12, abs=1e-13)
-    else:
-        assert after == pytest.approx(F + increment, abs=1e-14)
-        assert alone == (J if d > 1 else after[0, 0])
-
-
-@pytest.mark.parametrize(
-    ("basis", "material", "dimension", "count"),
-    [
-        ("linear", LinearElastic(1.0, 1.0), 3, 1),
-        ("cubic", LinearElastic(1.0, 1.0), 2, 1),
-        ("tls-cubic", LinearElastic(1.0, 1.0), 2, 1),
-        ("linear", LinearElastic(1.0, 1.0), 1, 1),
-        ("linear", KelvinVoigt(1.0, 1.0, viscosity=0.1), 2, 4),
-        ("linear", NeoHookean(1.0, 1.0), 3, 9),
-        ("cpgimp", LinearElastic(1.0, 1.0), 2, 4),
-        ("cpdi", LinearElastic(1.0, 1.0), 3, 9),
-    ],
-)
-def test_only_where_a_law_or_a_domain_asks_for_it_do_particles_keep_the_deformation_gradient(basis, material, dimension, count):
-    faces = dict.fromkeys([axis + side for axis in "xyz"[:dimension] for side in "-+"], Velocity())
-    stretched = {"displacement_gradient": lambda X: np.full((len(X), dimension**2), 0.1)}
-    problem = Problem("box", (0.0,) * dimension, (1.0,) * dimension, material, faces, 1.0, stretched)
-    particles = MaterialPoint(basis=basis)._particles(problem, np.full((2, dimension), 0.3), np.ones(2))
-    F = np.eye(dimension) + 0.1
-    assert pytest.approx(np.tile([np.linalg.det(F)] if count == 1 else F.ravel(), (2, 1)), rel=1e-14) == particles.F
 
 
 # Finite strain.
