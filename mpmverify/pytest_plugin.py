@@ -16,10 +16,11 @@ import pytest
 from mpmverify.errors import MpmverifyError, UsageError
 
 if TYPE_CHECKING:
-    from mpmverify.bench import Bench, CriterionId
-    from mpmverify.dataset.level import SeriesId
-    from mpmverify.gate import Criterion, Finding
-    from mpmverify.runner import Plan
+    from mpmverify.criteria.criterion import Criterion
+    from mpmverify.criteria.evidence import SeriesId
+    from mpmverify.execution.runner import Plan
+    from mpmverify.execution.shared_study import Bench, CriterionId
+    from mpmverify.judgement.findings import Finding
     from mpmverify.solution import Solver
     from mpmverify.study import Refinement, Study
 
@@ -99,7 +100,7 @@ class Studies(pytest.Collector):
             If one is unknown or has no criterion, or two share a name.
         """
         from mpmverify import studies
-        from mpmverify.bench import Bench
+        from mpmverify.execution.shared_study import Bench
 
         shared = getattr(self.config, "workerinput", {}).get("mpmverify_shared", "")
         known: dict[str, str] = {}
@@ -117,15 +118,17 @@ class Studies(pytest.Collector):
             raise self.CollectError(str(error)) from error
 
     def _wanted(self, study: str) -> "set[SeriesId]":
+        from mpmverify.criteria.evidence import SeriesId
+
         items = (item for item in self.session.items if isinstance(item, CriterionItem))
-        return {item.identity[:3] for item in items if item.bench.study.name == study}
+        return {SeriesId(*item.identity[:3]) for item in items if item.bench.study.name == study}
 
     def _plan(self) -> "Plan":
         from mpmverify import studies
-        from mpmverify.baseline import read_baseline
         from mpmverify.dataset.files import Results
-        from mpmverify.pool import processors
-        from mpmverify.runner import Plan
+        from mpmverify.execution.processes import processors
+        from mpmverify.execution.runner import Plan
+        from mpmverify.judgement.baseline import read_baseline
 
         option = self.config.getoption
         return Plan(
@@ -137,7 +140,7 @@ class Studies(pytest.Collector):
 
 
 def _own_study(name: str) -> "Study":
-    from mpmverify.evaluation import place
+    from mpmverify.execution.evaluation import place
     from mpmverify.study import Study
 
     module, _, attribute = name.partition(":")
@@ -248,15 +251,14 @@ def verify(request: pytest.FixtureRequest) -> "Callable[..., tuple[Finding, ...]
         timeout: float | None = None,
     ) -> "tuple[Finding, ...]":
         __tracebackhide__ = True
-        from mpmverify import studies, verification
-        from mpmverify.gate import Verdict
+        from mpmverify import studies
+        from mpmverify.convergence.verdict import Verdict
+        from mpmverify.execution.verify import verify as verified
 
         try:
             declared = studies.get(study) if isinstance(study, str) else study
             demanded = None if criteria is None else tuple(criteria)
-            findings = verification.verify(
-                solver, declared, case, refinement=refinement, criteria=demanded, tier=tier, timeout=timeout
-            )
+            findings = verified(solver, declared, case, refinement=refinement, criteria=demanded, tier=tier, timeout=timeout)
         except MpmverifyError as error:
             raise error.with_traceback(None) from None
         broken = [finding for finding in findings if finding.verdict is not Verdict.PASS]

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from mpmverify.problem import Array, Discretisation, Problem
-from mpmverify.quantities import UNITS
+from mpmverify.problem.quantities import UNITS
 
 
 class Status(StrEnum):

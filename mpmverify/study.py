@@ -7,10 +7,11 @@ from itertools import product
 
 import numpy as np
 
-from mpmverify.axis import Axis, axis
+from mpmverify.convergence.axis import Axis, axis
+from mpmverify.criteria.criterion import Criterion
+from mpmverify.criteria.evidence import SeriesId
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
-from mpmverify.gate import Criterion
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Solver
 
@@ -246,9 +247,19 @@ class Study:
             for series in case.series:
                 yield case, series
 
+    def criteria(self) -> dict[SeriesId, tuple[Criterion, ...]]:
+        """Declared criteria of every series."""
+        return {
+            SeriesId(case.name, series.solver.name, series.refinement.label): series.criteria for case, series in self.series()
+        }
+
+    def solvers(self) -> dict[str, Solver]:
+        """Solvers by name, as declared."""
+        return {series.solver.name: series.solver for _, series in self.series()}
+
     def solver_names(self) -> tuple[str, ...]:
         """Names of the solvers, each once, as declared."""
-        return tuple(dict.fromkeys(series.solver.name for _, series in self.series()))
+        return tuple(self.solvers())
 
     def restricted(self, solvers: tuple[str, ...] = (), courant: float | None = None) -> "Study":
         """Return the study with the named solvers alone, and at one Courant number throughout; it says what it was restricted to."""

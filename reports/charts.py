@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmverify.axis import UNITS as AXIS_UNITS
+from mpmverify.convergence.axis import UNITS as AXIS_UNITS
 
 from .balances import Balance
 from .notation import NORM_NAMES, cell_size, in_unit, ladder, number, order, unit

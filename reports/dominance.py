@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmverify.axis import UNITS
-from mpmverify.separation import REST, Separation, Source
+from mpmverify.convergence.axis import UNITS
+from mpmverify.convergence.sources import REST, Separation, Source
 
 from .charts import DIVERGING, INK, MUTED, Figure, axis, layout, sig
 from .notation import DASH, NORM_NAMES, cell_size, in_unit, interval, ladder, number, order, size

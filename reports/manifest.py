@@ -15,23 +15,8 @@ from mpmverify.errors import ResultsError
 TRUST = "trust"
 """Page of the self-test."""
 LIBRARIES = ("jinja2", "latex2mathml", "plotly")
-SOURCES = (
-    "axis.py",
-    "convergence/fits.py",
-    "convergence/series.py",
-    "dataset/kill_table.py",
-    "dataset/selftest.py",
-    "dataset/sources.py",
-    "dataset/study.py",
-    "dataset/verdicts.py",
-    "gate.py",
-    "norms.py",
-    "separation.py",
-    "summary.py",
-    "superposition.py",
-    "verdict.py",
-)
-"""Modules of the core that a page depends on, beside the report itself."""
+ROOMS = ("convergence", "criteria", "dataset", "judgement")
+"""Packages of the core that a page depends on, beside the report itself."""
 
 
 @dataclass(frozen=True)
@@ -126,8 +111,9 @@ def _path(results: Results) -> Path:
 def _code() -> str:
     here, core = Path(__file__).parent, Path(mpmverify.__file__).parent
     files = sorted(path for kind in ("*.py", "templates/*.html", "assets/*") for path in here.glob(kind))
+    files += sorted(path for room in ROOMS for path in (core / room).rglob("*.py"))
     total = hashlib.sha256()
-    for path in [*files, *(core / name for name in SOURCES)]:
+    for path in files:
         total.update(path.read_bytes())
     versions = [mpmverify.__version__, *(metadata.version(name) for name in LIBRARIES)]
     total.update(" ".join(versions).encode())

@@ -7,7 +7,6 @@ DASH = "–"
 MINUS = "−"
 SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 NORM_NAMES = {"L1": "L₁", "L2": "L₂", "Linf": "L∞", "L2-max": "L₂, largest over time"}
-QUANTITY_SYMBOLS = {"displacement": "u", "velocity": "v", "stress": "σ"}
 
 
 def number(value: float, digits: int = 3) -> str:

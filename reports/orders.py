@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from mpmverify.axis import UNITS
+from mpmverify.convergence.axis import UNITS
 
 from .charts import key
 from .notation import DASH, NORM_NAMES, cell_size, in_unit, interval, ladder, number, order, unit

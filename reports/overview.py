@@ -4,8 +4,9 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from mpmverify.gate import Finding, Verdict, exit_status, worst
-from mpmverify.summary import ranked
+from mpmverify.convergence.verdict import Verdict, exit_status, worst
+from mpmverify.judgement.findings import Finding
+from mpmverify.judgement.summary import ranked
 
 from .notation import ladder, slugs
 from .pages import IndexPage

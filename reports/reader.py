@@ -8,11 +8,11 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
+from mpmverify.convergence.sources import Separation
 from mpmverify.dataset.files import SCHEMA, check_ours
 from mpmverify.dataset.sources import MEANING, source_of
 from mpmverify.errors import ResultsError
-from mpmverify.gate import Finding
-from mpmverify.separation import Separation
+from mpmverify.judgement.findings import Finding
 
 from .record import Array, Case, Estimate, Level, Measure, Profile, Record, Series
 

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpmverify.gate import Finding, Verdict
-from mpmverify.separation import Separation
+from mpmverify.convergence.sources import Separation
+from mpmverify.convergence.verdict import Verdict
+from mpmverify.judgement.findings import Finding
 
 Array = NDArray[np.float64]
 Measure = tuple[str, str]

@@ -5,7 +5,8 @@ import re
 from collections.abc import Mapping, Sequence, Set
 from typing import Any
 
-from mpmverify.gate import Finding, Verdict
+from mpmverify.convergence.verdict import Verdict
+from mpmverify.judgement.findings import Finding
 
 from . import charts
 from .balances import balances

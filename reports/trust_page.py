@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from mpmverify.dataset.kill_table import Fate, PlantedFault, Rate, SelfTest, total
+from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, SelfTest, total
 
 from .notation import count
 from .pages import TrustPage

@@ -1,4 +1,8 @@
-"""Declared studies, imported by name on demand."""
+"""Declared studies, imported by name on demand.
+
+Here belong declarations: which problems, solvers, ladders and criteria make a study, and the accepted baseline. Nothing is computed
+here; closed forms and criteria have rooms of their own in `mpmverify`.
+"""
 
 from importlib import import_module
 from pathlib import Path

@@ -1,9 +1,9 @@
 """Transport of a hill, a Gaussian, a step and a whole spectrum by two-step Taylor-Galerkin."""
 
 from mpmverify.criteria import Amplification, AmplitudeDecay, Balance, FrontPosition, Order, PhaseError
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.advection import CosineHill, Gaussian, Step, advection
 from mpmverify.exact.regularity import expected_order
-from mpmverify.gate import Criterion
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 from mpmverify.study import Case, Series, Study, halving
 

@@ -1,8 +1,8 @@
 """Axial vibration of a fixed bar in its first mode, by every solver."""
 
 from mpmverify.criteria import EnergyConserved, EnergyDecays, EnergyDrift, Order, Stall
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.vibration import axial_vibration
-from mpmverify.gate import Criterion
 from mpmverify.solution import Solver
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import MaterialPoint

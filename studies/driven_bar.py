@@ -1,9 +1,9 @@
 """The driven bar: one end moved, the other loaded, a body force everywhere and no parameter that hides a term."""
 
 from mpmverify.criteria import EnergyDrift, Order
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.driven_bar import driven_bar
 from mpmverify.exact.open_bar import open_bar
-from mpmverify.gate import Criterion
 from mpmverify.solution import Solver
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import MaterialPoint

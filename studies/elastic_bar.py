@@ -1,9 +1,9 @@
 """A bar pulled at one end: step, ramp and smooth pulse against d'Alembert."""
 
 from mpmverify.criteria import FrontPosition, Order, PhaseError
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic_bar
 from mpmverify.exact.regularity import expected_order
-from mpmverify.gate import Criterion
 from mpmverify.solution import Solver
 from mpmverify.solvers.mpm import PIC, MaterialPoint
 from mpmverify.study import Case, Refinement, Series, Study, halving

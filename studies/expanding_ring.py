@@ -1,8 +1,8 @@
 """A ring that expands and contracts: free surfaces that cut the cells, and gaps that open between particles."""
 
 from mpmverify.criteria import Order, Stall
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.ring import expanding_ring
-from mpmverify.gate import Criterion
 from mpmverify.problem import Discretisation
 from mpmverify.solvers.mpm import APIC, MaterialPoint
 from mpmverify.study import Case, Refinement, Series, Study, ladder_label

@@ -1,8 +1,8 @@
 """The generalised vortex: shear and rotation of any size without a change of volume."""
 
 from mpmverify.criteria import Order, Stall
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.vortex import generalised_vortex
-from mpmverify.gate import Criterion
 from mpmverify.problem import Discretisation
 from mpmverify.solvers.mpm import APIC, MaterialPoint
 from mpmverify.study import Case, Refinement, Series, Study, ladder_label

@@ -1,9 +1,9 @@
 """Manufactured motions of large amplitude: Steffen's bar, and a square and a cube that move along their axes."""
 
 from mpmverify.criteria import Order, Stall
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.axis_aligned import axis_aligned
 from mpmverify.exact.steffen import steffen
-from mpmverify.gate import Criterion
 from mpmverify.solvers.mpm import APIC, FLIP, MaterialPoint, Transfer
 from mpmverify.study import Case, Series, Study, halving
 

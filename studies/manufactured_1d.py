@@ -1,8 +1,8 @@
 """The manufactured neo-Hookean bar: large deformation with and without cell crossing."""
 
 from mpmverify.criteria import EnergyDrift, Order, Published, Stall
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.manufactured import manufactured
-from mpmverify.gate import Criterion
 from mpmverify.solution import Solver
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import MaterialPoint

@@ -1,6 +1,6 @@
 """Limits of stability of the material point method, by bisection on the running solver, against von Neumann's analysis."""
 
-from mpmverify.bisection import Bisection
+from mpmverify.adapters.bisection import Bisection
 from mpmverify.criteria import StabilityLimit
 from mpmverify.exact.ring_modes import ring_modes
 from mpmverify.solvers.mpm import FLIP, PIC, MaterialPoint, Transfer, fmpm, xpic

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from mpmverify.baseline import Baseline
 from mpmverify.criteria import Balance, Order
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.dataset.files import Results
 from mpmverify.exact.advection import Gaussian, advection
-from mpmverify.gate import Criterion
+from mpmverify.execution.runner import Plan
+from mpmverify.judgement.baseline import Baseline
 from mpmverify.problem import Array, Discretisation, Problem
-from mpmverify.runner import Plan
 from mpmverify.solution import Outcome, Solution, Status, Work
 from mpmverify.study import Case, Refinement, Series, Study, halving
 

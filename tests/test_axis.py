@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpmverify.axis import Axis, axis, sizes
+from mpmverify.convergence.axis import Axis, axis, sizes
 from mpmverify.exact.vibration import axial_vibration
 from mpmverify.study import design, halving, in_particles, in_time
 

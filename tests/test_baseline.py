@@ -9,11 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpmverify.baseline import RELATIVE, Baseline, levels, read_baseline
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Order
+from mpmverify.criteria.evidence import Evidence
+from mpmverify.criteria.norms import NORMS
 from mpmverify.errors import ResultsError
-from mpmverify.gate import Evidence, Verdict, judge
-from mpmverify.norms import NORMS
+from mpmverify.judgement.baseline import RELATIVE, Baseline, identified, read_baseline
+from mpmverify.judgement.findings import judge_criterion
 
 LIGHT = settings(max_examples=25)
 H = 0.5 ** np.arange(3.0, 7.0)
@@ -61,9 +63,9 @@ def test_what_was_accepted_passes():
 
 def test_a_constant_factor_fails_although_the_order_is_unchanged():
     order = Order("u", "L2", 1.9, 2.1, "")
-    reasons = [judge(order, evidence(factor))[1] for factor in (1, 1.05)]
+    reasons = [judge_criterion(order, evidence(factor))[1] for factor in (1, 1.05)]
     assert reasons[0] == reasons[1]
-    assert judge(order, evidence(1.05))[0] is Verdict.PASS
+    assert judge_criterion(order, evidence(1.05))[0] is Verdict.PASS
     found, reason = accepted().judge(*SERIES, evidence(1.05))
     assert found is Verdict.FAIL
     assert "32 of 32 errors are worse" in reason
@@ -203,14 +205,14 @@ def test_nothing_to_compare_is_no_pass(nothing):
 def test_a_level_is_known_by_all_that_discretises_it(column):
     seen = evidence()
     other = dataclasses.replace(seen, **{column: getattr(seen, column) * 3})
-    assert not {name for name, _ in levels(seen)} & {name for name, _ in levels(other)}
+    assert not {name for name, _ in identified(seen)} & {name for name, _ in identified(other)}
 
 
 def test_a_level_is_known_by_the_jitter_and_the_seed_of_its_particles_where_there_is_any():
     seen = evidence()
     none, one = np.zeros(len(seen.h)), np.ones(len(seen.h), dtype=int)
     names = [
-        tuple(name for name, _ in levels(dataclasses.replace(seen, jitter=jitter, seed=seed)))
+        tuple(name for name, _ in identified(dataclasses.replace(seen, jitter=jitter, seed=seed)))
         for jitter, seed in ((None, None), (none, 0 * one), (none + 1e-3, one), (none + 1e-3, 2 * one), (none + 2e-3, one))
     ]
     assert names[0] == names[1]

@@ -13,12 +13,16 @@ import xarray as xr
 from click.testing import CliRunner
 from faulty_solvers import Scripted, study
 
-from mpmverify import cli, display, pool, reports, studies
-from mpmverify.baseline import Baseline
-from mpmverify.dataset.study import read_study
+from mpmverify import cli, reports, studies
+from mpmverify.cli.findings import show
+from mpmverify.cli.progress import Progress
+from mpmverify.convergence.verdict import Verdict
+from mpmverify.dataset.study import read_tree
 from mpmverify.errors import ResultsError
-from mpmverify.gate import Finding, Verdict
-from mpmverify.summary import STEP_SUMMARY
+from mpmverify.execution import processes as pool
+from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.findings import Finding
+from mpmverify.judgement.summary import STEP_SUMMARY
 
 STUDIES = {
     "scripted": study(Scripted()),
@@ -339,14 +343,14 @@ def test_solver_restricts_the_study(tmp_path):
         "run", "slow", "scripted", "--solver", "scripted-unstable", "--out", tmp_path, "--baseline", tmp_path / "baseline.json"
     )
     assert result.exit_code == 3
-    assert list(read_study(tmp_path / "slow.nc").children) == ["scripted-unstable"]
+    assert list(read_tree(tmp_path / "slow.nc").children) == ["scripted-unstable"]
     assert not (tmp_path / "scripted.nc").exists()
 
 
 def test_courant_changes_every_level(tmp_path):
     result = call("run", "scripted", "--courant", "0.125", "--out", tmp_path, "--baseline", tmp_path / "baseline.json")
     assert result.exit_code == 0
-    stored = read_study(tmp_path / "scripted.nc")["scripted-good"]
+    stored = read_tree(tmp_path / "scripted.nc")["scripted-good"]
     assert stored["courant"].values.tolist() == [0.125] * 3
     assert (stored["dt"].values <= 0.125 * stored["h"].values * (1 + 1e-12)).all()
     assert set(stored["refinement"].values.tolist()) == {"nu_C=0.125"}
@@ -482,14 +486,14 @@ def test_text_of_a_solver_is_not_taken_for_markup(capsys):
         "list['a'] [bold]x",
         "s",
     )
-    display.show([Finding(*words)])
+    show([Finding(*words)])
     shown = capsys.readouterr().out
     for word in ("study[b]", "solver[red]", "criterion [/]", "list['a'] [bold]x"):
         assert word in shown
 
 
 def test_progress_is_plain_where_no_terminal_looks(capsys):
-    with display.Progress() as progress:
+    with Progress() as progress:
         for done in range(3):
             progress.update("scripted", done + 1, 3)
     captured = capsys.readouterr()

@@ -13,20 +13,22 @@ from faulty_solvers import SECOND_ORDER, Scripted, plan, study
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpmverify import cli, display
-from mpmverify.baseline import NOISE, RELATIVE, Baseline
-from mpmverify.change import Change, Direction, Kind
-from mpmverify.comparison import SECONDS, SLOWER, Comparison, compare
+from mpmverify import cli
+from mpmverify.cli import comparison as display
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Balance, Order
+from mpmverify.criteria.norms import NORMS
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.tables import PROVENANCE, Run, SeriesKey, Tables, read_tables
-from mpmverify.dataset.tables import Order as Fitted
-from mpmverify.dataset.verdicts import accepted
+from mpmverify.dataset.tables import read_tables
 from mpmverify.errors import ResultsError
-from mpmverify.gate import Verdict
-from mpmverify.norms import NORMS
+from mpmverify.execution.gate import accept
+from mpmverify.execution.runner import run
+from mpmverify.judgement.baseline import NOISE, RELATIVE, Baseline
+from mpmverify.judgement.change import Change, Direction, Kind
+from mpmverify.judgement.comparison import SECONDS, SLOWER, Comparison, compare
+from mpmverify.judgement.tables import PROVENANCE, Run, SeriesKey, Tables
+from mpmverify.judgement.tables import Order as Fitted
 from mpmverify.problem import Discretisation, Problem
-from mpmverify.runner import run
 from mpmverify.solution import Solution
 
 LIGHT = settings(max_examples=60)
@@ -124,7 +126,7 @@ def test_each_kind_of_change_is_seen_counted_and_has_its_direction_both_ways(tmp
 def test_what_the_baseline_has_and_was_not_run_is_lost_and_no_worse(tmp_path):
     whole, known = study(Worked(), FINISHED), Baseline(tmp_path / "baseline.json")
     stored(tmp_path, whole)
-    accepted(known, Results(tmp_path).studies(), "the first")
+    accept(known, Results(tmp_path).studies(), "the first")
     known.write()
     a = stored(tmp_path / "a", whole, baseline=known)
     b = stored(tmp_path / "b", whole.restricted((Worked().name,)), baseline=known)

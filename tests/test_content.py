@@ -17,12 +17,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpmverify.dataset import content
-from mpmverify.dataset.content import digest
+from mpmverify.dataset.provenance import NUMERICAL_LIBRARIES
 from mpmverify.errors import UsageError
-from mpmverify.evaluation import run_key
 from mpmverify.exact.advection import Gaussian, PeriodicImages, advection
 from mpmverify.exact.ring import expanding_ring
+from mpmverify.execution import keys as content
+from mpmverify.execution.evaluation import run_key
+from mpmverify.execution.keys import digest
 from mpmverify.problem import Block, Bodies, Discretisation, Disk, Inflow, Outflow, Ring, Transport
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 
@@ -191,7 +192,7 @@ PACKAGE = {
     "kernels/constants.py": "C = 1\n",
     "unrelated.py": "D = 1\n",
 }
-ASK = "import mine.scheme as s; from mpmverify.dataset.content import digest; print(digest(s.Mine()))"
+ASK = "import mine.scheme as s; from mpmverify.execution.keys import digest; print(digest(s.Mine()))"
 
 
 def key_in_a_fresh_process(folder: Path, program: str = ASK, **environment: str) -> str:
@@ -238,7 +239,7 @@ def test_a_helper_beside_a_solver_is_in_its_key_and_a_library_is_not(tmp_path):
     (tmp_path / "bare").mkdir()  # a package without __init__.py
     (tmp_path / "bare" / "kernel.py").write_text("flux = 1\n")
     ask = (
-        "import scheme; from mpmverify.dataset.content import *;"
+        "import scheme; from mpmverify.execution.keys import *;"
         "print(digest(scheme.Mine()), *sorted(import_closure({'scheme'})))"
     )
     key, *reached = key_in_a_fresh_process(tmp_path, ask).split()
@@ -264,7 +265,7 @@ def test_a_compiled_helper_beside_a_solver_is_in_its_key_by_its_bytes(tmp_path):
     for module in modules:
         (tmp_path / module).write_bytes(b"one")
     ask = (
-        "import scheme; from mpmverify.dataset.content import *;"
+        "import scheme; from mpmverify.execution.keys import *;"
         "print(digest(scheme.Mine()), *sorted(import_closure({'scheme'})))"
     )
     key, *reached = key_in_a_fresh_process(tmp_path, ask).split()
@@ -294,19 +295,23 @@ def test_a_solver_of_a_user_that_builds_on_ours_is_keyed_by_our_code_too(package
 def test_a_solver_is_not_keyed_by_the_answer_or_the_harness():
     reached = content.import_closure({TaylorGalerkin.__module__})
     assert "mpmverify.solution" in reached
-    assert not {name for name in reached if name.startswith(("mpmverify.exact", "mpmverify.studies", "mpmverify.gate"))}
+    assert not {
+        name
+        for name in reached
+        if name.startswith(("mpmverify.exact", "mpmverify.studies", "mpmverify.criteria", "mpmverify.judgement"))
+    }
 
 
 def test_a_run_has_the_same_key_in_another_process():
     program = (
-        "from mpmverify.evaluation import run_key; from mpmverify.exact.advection import *; from mpmverify.problem import *;"
+        "from mpmverify.execution.evaluation import run_key; from mpmverify.exact.advection import *; from mpmverify.problem import *;"
         "from mpmverify.solvers.taylor_galerkin import TaylorGalerkin;"
         "print(run_key(advection(Gaussian()), TaylorGalerkin(), Discretisation(h=0.125, courant=0.5)))"
     )
     assert key_in_a_fresh_process(Path(), program, PYTHONHASHSEED="4242") == KEY
 
 
-@pytest.mark.parametrize("library", [*content.NUMERICAL_LIBRARIES, "python", "machine"])
+@pytest.mark.parametrize("library", [*NUMERICAL_LIBRARIES, "python", "machine"])
 def test_the_version_of_a_numerical_library_changes_the_key(monkeypatch, library):
     versions = content.library_versions()
     assert library in versions

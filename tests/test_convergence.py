@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmverify.convergence import ROUND_OFF, Classification, analyse, fit_floor, fit_order, pairwise_orders, verdict
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.errors import UsageError
-from mpmverify.verdict import Verdict
 
 LIGHT = settings(max_examples=25)
 HALVED = 2.0 ** -np.arange(8)

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from faulty_solvers import Scripted, ladder, plan, study, transported
+from stored_studies import findings
 
 from mpmverify.atomic import write_atomic
-from mpmverify.baseline import Baseline
 from mpmverify.criteria import (
     CRITERIA,
     Amplification,
@@ -31,14 +31,21 @@ from mpmverify.criteria import (
     Separated,
     Stall,
 )
+from mpmverify.criteria.evidence import SeriesId
+from mpmverify.dataset.criteria import read_criteria, with_criteria
 from mpmverify.dataset.files import Results, check_ours
+from mpmverify.dataset.fits import read_orders
+from mpmverify.dataset.levels import read_levels
 from mpmverify.dataset.runs import read_run, write_run
 from mpmverify.dataset.statement import statement
-from mpmverify.dataset.study import build, read_study, solvers, write_study
+from mpmverify.dataset.study import read_study, read_tree, solvers, write_study
 from mpmverify.dataset.tree import write_tree
-from mpmverify.dataset.verdicts import accepted, criteria, findings, judged, read_findings, with_criteria
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
+from mpmverify.execution.gate import accept, gate, judged
+from mpmverify.execution.runner import run
+from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.judging import judge
 from mpmverify.problem import (
     UNITS,
     Absorbing,
@@ -54,7 +61,6 @@ from mpmverify.problem import (
     Transport,
     Velocity,
 )
-from mpmverify.runner import run
 from mpmverify.solution import Outcome, Status, Work
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 
@@ -263,7 +269,7 @@ def test_a_file_that_is_not_ours_is_named_and_left_alone(tmp_path, make, kind):
     write = (
         (lambda: write_run(path, "k", solution(), "title"))
         if kind == "run"
-        else (lambda: write_study(path, build(study(), "quick", "", [], {})))
+        else (lambda: write_study(path, study(), [], {}, judge("scripted", {}, {}), tier="quick", inputs=""))
     )
     for act in (read, write):
         with pytest.raises(ResultsError) as error:
@@ -419,28 +425,36 @@ def test_snapshots_hold_the_profiles_of_the_runs(stored):
 
 
 def test_judging_a_stored_study_reproduces_its_findings(stored, path):
-    tree = read_study(path)
-    known = findings(tree)
-    assert tuple(known) == stored[1][path.stem].findings
-    again = judged(tree, plan(stored[0]).baseline)
-    assert findings(again) == known
-    xr.testing.assert_identical(again, read_study(path))
+    tree = read_tree(path)
+    assert findings(tree) == stored[1][path.stem].findings
+    again = judged(read_study(path), plan(stored[0]).baseline)
+    assert again.findings == findings(tree)
+    orders = {}
+    for solver, dataset in solvers(tree):
+        orders |= read_orders(dataset, read_levels(solver, dataset))
+    fits = {
+        (series, " ".join(measure)): (found.fit.order, found.fit.low, found.fit.high)
+        for series, measures in again.fits.items()
+        for measure, found in measures.items()
+        if found.fit
+    }
+    assert orders == fits
 
 
 def test_a_restricted_run_says_to_what_and_what_it_lacks_of_the_baseline(tmp_path):
     whole, known = study(Scripted("good"), TaylorGalerkin(), name="whole"), Baseline(tmp_path / "baseline.json")
     list(run([whole], plan(tmp_path)))
-    accepted(known, [tmp_path / "whole.nc"], "the first")
+    accept(known, [tmp_path / "whole.nc"], "the first")
     known.write()
     kept, other = whole.solver_names()
     (entry,) = run([whole.restricted((kept,))], plan(tmp_path / "part", baseline=known))
     path = tmp_path / "part" / "whole.nc"
-    tree = read_study(path)
+    tree = read_tree(path)
     assert tree.attrs["restricted_to"] == kept
     assert entry.findings[-1].solver == other
     assert entry.findings[-1].reason.endswith(f"the run was restricted to {kept}: run the whole study")
-    assert tuple(findings(tree)) == tuple(read_findings(path, known)) == entry.findings
-    assert read_findings(path, Baseline(tmp_path / "none"))[-1].solver == kept
+    assert findings(tree) == gate(path, known) == entry.findings
+    assert gate(path, Baseline(tmp_path / "none"))[-1].solver == kept
     del tree.attrs["restricted_to"], tree.attrs["lacking"]
     assert {f.solver for f in findings(tree)} == {kept}, "a file from before says nothing"
 
@@ -505,29 +519,31 @@ CRITERION_OF_EACH_KIND = (
 
 def test_criteria_are_read_back_as_equal_values(tmp_path):
     assert {type(criterion) for criterion in CRITERION_OF_EACH_KIND} >= set(CRITERIA.values()) - {
-        kind for kind in CRITERIA.values() if kind.__module__ != "mpmverify.gate"
+        kind for kind in CRITERIA.values() if kind.__module__ != "mpmverify.criteria.sources"
     }
     declared = study(criteria=CRITERION_OF_EACH_KIND)
     list(run([declared], plan(tmp_path)))
-    tree = read_study(tmp_path / "scripted.nc")
-    back = [entry for _, dataset in solvers(tree) for entry in criteria(dataset)]
-    assert back == [("hill", ladder().label, criterion) for criterion in CRITERION_OF_EACH_KIND]
-    assert len({criterion for _, _, criterion in back}) == len(CRITERION_OF_EACH_KIND), "values can be hashed"
+    back = read_study(tmp_path / "scripted.nc").declared
+    assert back == declared.criteria() == {SeriesId("hill", "scripted-good", ladder().label): CRITERION_OF_EACH_KIND}
+    assert len({criterion for criteria in back.values() for criterion in criteria}) == len(CRITERION_OF_EACH_KIND), (
+        "values can be hashed"
+    )
 
 
 def test_a_criterion_of_another_version_is_named():
-    dataset = with_criteria(xr.Dataset(), [("hill", "nu_C=1", CRITERION_OF_EACH_KIND[0])])
+    declared = {SeriesId("hill", "tg", "nu_C=1"): CRITERION_OF_EACH_KIND[:1]}
+    dataset = with_criteria(xr.Dataset(), "tg", declared)
     stored = json.loads(dataset["criterion_json"].item()) | {"type": "Magic"}
     dataset["criterion_json"] = ("criterion", [json.dumps(stored)])
     with pytest.raises(UsageError, match="the criterion 'Magic' of 'hill' is unknown: choose from Order"):
-        criteria(dataset)
+        read_criteria("tg", dataset)
 
 
 def test_a_study_without_criteria_metrics_or_finished_runs_is_stored(tmp_path):
     declared = study(Scripted("raises"), criteria=())
     (entry,) = run([declared], plan(tmp_path))
-    tree = read_study(tmp_path / "scripted.nc")
-    assert tuple(findings(judged(tree, Baseline(tmp_path / "none")))) == entry.findings
+    tree = read_tree(tmp_path / "scripted.nc")
+    assert gate(tmp_path / "scripted.nc", Baseline(tmp_path / "none")) == entry.findings
     assert [finding.gate for finding in entry.findings] == ["regression"]
     assert tree["scripted-raises"]["error"].shape == (3, 0, 4)
     with xr.open_datatree(tmp_path / "scripted.nc") as opened:
@@ -546,7 +562,7 @@ def test_damage_inside_a_study_file_never_raises_anything_else(tmp_path, stored)
         path = tmp_path / "mixed.nc"
         path.write_bytes(damaged)
         try:
-            read_findings(path, Baseline(tmp_path / "none"))
+            gate(path, Baseline(tmp_path / "none"))
         except (ResultsError, UsageError) as error:
             refusals.append(str(error))
     assert refusals
@@ -603,10 +619,10 @@ def with_criterion(change):
 def test_a_study_that_cannot_be_understood_is_named_by_gate_and_accept(tmp_path, damage):
     list(run([study()], plan(tmp_path)))
     path = tmp_path / "scripted.nc"
-    tree = read_study(path)
+    tree = read_tree(path)
     damage(tree)
-    write_study(path, tree)
-    for read in (lambda: read_findings(path, Baseline(path)), lambda: accepted(Baseline(path), [path], "why not")):
+    write_tree(path, tree)
+    for read in (lambda: gate(path, Baseline(path)), lambda: accept(Baseline(path), [path], "why not")):
         with pytest.raises(ResultsError, match=rf"^'{path}' is damaged: delete it and run `mpmverify run` again$"):
             read()
 
@@ -618,27 +634,27 @@ def test_a_bug_in_a_criterion_is_not_blamed_on_the_file(tmp_path, monkeypatch):
     list(run([study()], plan(tmp_path)))
     monkeypatch.setattr(Order, "judge", judge)
     with pytest.raises(IndexError, match="a bug"):
-        read_findings(tmp_path / "scripted.nc", Baseline(tmp_path / "none"))
+        gate(tmp_path / "scripted.nc", Baseline(tmp_path / "none"))
 
 
 def test_a_criterion_of_a_series_that_is_not_there_is_not_dropped(tmp_path):
     list(run([study()], plan(tmp_path)))
     path = tmp_path / "scripted.nc"
-    tree = read_study(path)
-    tree["scripted-good"].dataset = with_criteria(
-        tree["scripted-good"].to_dataset(inherit=False).drop_dims("criterion"), [("hill", "nu_C=9", CRITERION_OF_EACH_KIND[0])]
-    )
-    write_study(path, tree)
+    tree = read_tree(path)
+    absent = {SeriesId("hill", "scripted-good", "nu_C=9"): CRITERION_OF_EACH_KIND[:1]}
+    without = tree["scripted-good"].to_dataset(inherit=False).drop_dims("criterion")
+    tree["scripted-good"].dataset = with_criteria(without, "scripted-good", absent)
+    write_tree(path, tree)
     with pytest.raises(ResultsError, match=r"is to hold of scripted/hill/scripted-good \(nu_C=9\), which is not there"):
-        read_findings(path, Baseline(tmp_path / "none"))
+        gate(path, Baseline(tmp_path / "none"))
 
 
 def test_a_study_without_solvers_passes_nothing(tmp_path):
     list(run([study()], plan(tmp_path)))
     path = tmp_path / "scripted.nc"
-    write_study(path, xr.DataTree(read_study(path).to_dataset(inherit=False)))
+    write_tree(path, xr.DataTree(read_tree(path).to_dataset(inherit=False)))
     with pytest.raises(ResultsError, match="holds nothing to judge"):
-        read_findings(path, Baseline(tmp_path / "none"))
+        gate(path, Baseline(tmp_path / "none"))
 
 
 def test_a_study_passes_for_no_other_by_its_name(tmp_path):

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmverify.convergence import PLAUSIBLE
+from mpmverify.convergence.verdict import Verdict, exit_status, worst
 from mpmverify.criteria import (
     CRITERIA,
     Amplification,
@@ -30,11 +31,13 @@ from mpmverify.criteria import (
     Stall,
     Unstable,
 )
+from mpmverify.criteria.criterion import Setting
+from mpmverify.criteria.evidence import Evidence
+from mpmverify.criteria.norms import NORMS
 from mpmverify.errors import UsageError
 from mpmverify.exact import ExactSolution, VerificationProblem
 from mpmverify.exact.amplification import two_step_taylor_galerkin
-from mpmverify.gate import Evidence, Finding, Setting, Verdict, exit_status, judge, worst
-from mpmverify.norms import NORMS
+from mpmverify.judgement.findings import Finding, judge_criterion
 from mpmverify.problem import Discretisation, LinearElastic, Periodic, Problem, Traction, Transport
 from mpmverify.solution import Outcome, Solution, Status, Work
 
@@ -100,7 +103,7 @@ def measured(**metrics) -> Evidence:
 
 
 def verdict(criterion, evidence) -> Verdict:
-    found, reason = judge(criterion, evidence)
+    found, reason = judge_criterion(criterion, evidence)
     assert reason
     return found
 
@@ -265,7 +268,7 @@ def test_criteria_survive_the_file_with_the_same_verdict(criterion, evidence, ex
     again = CRITERIA[stored.pop("type")](**stored)
     assert again.title == criterion.title
     assert again.source == "theory" or isinstance(criterion, Published)
-    assert judge(again, evidence) == judge(criterion, evidence)
+    assert judge_criterion(again, evidence) == judge_criterion(criterion, evidence)
 
 
 def test_every_criterion_has_an_example_of_every_verdict_that_it_can_give():
@@ -380,8 +383,8 @@ def test_finer_levels_that_are_too_good_to_be_true_make_no_pass_and_are_named(er
     h = 0.5 ** np.arange(float(levels + extra))
     clean = h[:levels] ** order
     for criterion in (Order("u", "L2", order - 0.1, order + 0.1, ""), Order("u", "L2", order + 0.3, order + 0.5, "")):
-        before, _ = judge(criterion, series(clean, h[:levels]))
-        after, reason = judge(criterion, series(np.append(clean, np.full(extra, error)), h))
+        before, _ = judge_criterion(criterion, series(clean, h[:levels]))
+        after, reason = judge_criterion(criterion, series(np.append(clean, np.full(extra, error)), h))
         assert after is not PASS
         assert after is FAIL or before is not FAIL
         assert all(f"h={size:g}: at round-off" in reason for size in h[levels:])
@@ -398,7 +401,7 @@ def test_an_order_needs_three_levels(criterion, levels):
 @pytest.mark.parametrize("criterion", [c for several in JUDGED_BY.values() for c in several])
 def test_a_run_that_did_not_complete_is_an_error_before_any_number(criterion):
     outcomes = ("completed", "unstable: the energy grew", "completed", "timed out", "completed")
-    found, reason = judge(criterion, dataclasses.replace(CLEAN, outcomes=outcomes))
+    found, reason = judge_criterion(criterion, dataclasses.replace(CLEAN, outcomes=outcomes))
     assert found is ERROR
     assert "h=0.0625: unstable: the energy grew" in reason
     assert "timed out" in reason
@@ -406,7 +409,7 @@ def test_a_run_that_did_not_complete_is_an_error_before_any_number(criterion):
 
 @pytest.mark.parametrize("criterion", [c for several in JUDGED_BY.values() for c in several])
 def test_what_was_not_measured_is_an_error_that_names_it(criterion):
-    found, reason = judge(criterion, dataclasses.replace(CLEAN, error={}, reference={}, metrics={}))
+    found, reason = judge_criterion(criterion, dataclasses.replace(CLEAN, error={}, reference={}, metrics={}))
     assert found is ERROR
     assert "was not measured" in reason
 
@@ -416,7 +419,7 @@ def test_no_level_is_an_error(criterion):
     empty = np.zeros(0)
     table = np.zeros((0, len(NORMS)))
     nothing = Evidence(empty, empty, empty, empty, (), {"u": table}, {"u": table}, dict.fromkeys(METRICS, empty))
-    assert judge(criterion, nothing)[0] is ERROR
+    assert judge_criterion(criterion, nothing)[0] is ERROR
 
 
 @LIGHT
@@ -431,7 +434,7 @@ def test_the_order_in_which_levels_are_stored_does_not_matter(shuffled, example)
         evidence.outcomes,
         *({q: v[k] for q, v in getattr(evidence, name).items()} for name in ("error", "reference", "metrics")),
     )
-    assert judge(criterion, other)[0] is expected
+    assert judge_criterion(criterion, other)[0] is expected
 
 
 # Evidence.
@@ -470,14 +473,20 @@ def test_drift_is_judged_in_the_time_step_and_not_in_the_cell_size():
     ],
 )
 def test_the_reason_says_what_the_order_of_a_ladder_means(columns, note):
-    reason = judge(ORDER, series(3 * H**2, **columns))[1]
+    reason = judge_criterion(ORDER, series(3 * H**2, **columns))[1]
     assert reason.endswith(note) if note else "together" not in reason
 
 
 def test_a_failed_run_of_a_design_is_named_by_more_than_its_cell_size():
     outcomes = ("completed",) * 15 + ("unstable",)
-    assert judge(SEPARATED, over_design(DESIGN_H, outcomes=outcomes)) == (ERROR, "h=0.015625 nu_C=0.5 ppc=1: unstable")
-    assert judge(ORDER, series(3 * H, outcomes=("completed",) * 4 + ("unstable",))) == (ERROR, "h=0.0078125: unstable")
+    assert judge_criterion(SEPARATED, over_design(DESIGN_H, outcomes=outcomes)) == (
+        ERROR,
+        "h=0.015625 nu_C=0.5 ppc=1: unstable",
+    )
+    assert judge_criterion(ORDER, series(3 * H, outcomes=("completed",) * 4 + ("unstable",))) == (
+        ERROR,
+        "h=0.0078125: unstable",
+    )
 
 
 @pytest.mark.parametrize(
@@ -496,8 +505,8 @@ def test_a_failed_run_of_a_design_is_named_by_more_than_its_cell_size():
     ],
 )
 def test_levels_that_came_to_the_same_end_share_one_sentence(outcomes, reason):
-    assert judge(ORDER, series(3 * H**2, outcomes=tuple(outcomes))) == (ERROR, reason)
-    assert judge(ORDER, series([1.0], [0.5], outcomes=("crashed; X",))) == (ERROR, "h=0.5: crashed; X")
+    assert judge_criterion(ORDER, series(3 * H**2, outcomes=tuple(outcomes))) == (ERROR, reason)
+    assert judge_criterion(ORDER, series([1.0], [0.5], outcomes=("crashed; X",))) == (ERROR, "h=0.5: crashed; X")
 
 
 @LIGHT
@@ -511,7 +520,7 @@ def test_a_reason_has_every_outcome_but_completion_once(outcomes):
 
 def test_a_dropped_level_is_named_by_the_size_that_is_refined():
     error = 3 * H**2 * [1, 1, 1, 1, 1e-12]
-    assert "without dt=0.0078125: at round-off" in judge(ORDER, series(error, 0.1 * ONES, dt=H))[1]
+    assert "without dt=0.0078125: at round-off" in judge_criterion(ORDER, series(error, 0.1 * ONES, dt=H))[1]
 
 
 @pytest.mark.parametrize("choices", [("u", "L1", (("h", 1, 2),), ""), ("u", "L2", (), ""), ("u", "L2", (("ppc", 1, 2),), "")])

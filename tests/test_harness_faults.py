@@ -17,8 +17,10 @@ import numpy as np
 import pytest
 
 import mpmverify
-from mpmverify import gate
+from mpmverify.criteria import evidence as stored
+from mpmverify.criteria.criterion import Setting
 from mpmverify.exact import ExactSolution, VerificationProblem
+from mpmverify.judgement.findings import judge_criterion
 from mpmverify.problem import Discretisation, LinearElastic, Problem, Traction
 from mpmverify.solution import Solution, Work
 
@@ -117,8 +119,6 @@ def a_reference_gates_nothing_finer_than_ten_times_its_uncertainty(c: ModuleType
     assert c.verdict(h, error, band=BAND, uncertainty=error[2] / 11)[0] == "PASS"
     assert c.verdict(h, error, band=BAND, uncertainty=error[2] / 9)[0] == "INCONCLUSIVE"
     reference = c.qualify(h, 5 + error, formal=2)
-    assert reference.may_gate(11 * reference.uncertainty)
-    assert not reference.may_gate(9 * reference.uncertainty)
     same(reference.uncertainty, 1.25 * error[-1] / (5 + error[-1]), rtol=1e-6)
     assert not c.qualify(h, 5 + h**0.1, formal=2).qualified
     assert not c.qualify(h[:2], error[:2], formal=2).qualified
@@ -164,10 +164,13 @@ def evidence(g: ModuleType, error: Any, h: Any = H, size: float = 1.0) -> Any:
     return g.Evidence(h, h, one, one.astype(int), outcomes, {"u": table}, {"u": np.full_like(table, size)})
 
 
-def evidence_is_relative_and_the_worst_verdict_decides(g: ModuleType) -> None:
+def evidence_is_relative(g: ModuleType) -> None:
     same(evidence(g, 3 * H, size=2).relative("u", "L2"), 1.5 * H)
     same(evidence(g, 3 * H, size=0).relative("u", "L2"), 3 * H)
     assert not np.any(np.isfinite(evidence(g, 3 * H, size=np.inf).relative("u", "L2")))
+
+
+def the_worst_verdict_decides(g: ModuleType) -> None:
     statuses = {"PASS": 0, "INCONCLUSIVE": 0, "FAIL": 1, "ERROR": 3}
     for verdict, status in statuses.items():
         assert g.exit_status([g.Verdict(verdict)]) == status
@@ -193,33 +196,33 @@ def runs_that_did_not_complete_are_judged_by_their_outcome_alone(g: ModuleType) 
         pass
 
     for outcome in ("unstable; at step 3", "crashed; it raised", "timed out"):
-        seen = replace(evidence(g, H), outcomes=("completed",) * 4 + (outcome,))
-        verdict, reason = g.judge(Passing(), seen)
+        seen = replace(evidence(stored, H), outcomes=("completed",) * 4 + (outcome,))
+        verdict, reason = g.judge_criterion(Passing(), seen)
         assert verdict == "ERROR"
         assert outcome in reason
-        assert g.judge(OnOutcomes(), seen)[0] == "PASS"
-    assert g.judge(OnOutcomes(), evidence(g, [], h=H[:0]))[0] == "ERROR", "no level was run"
+        assert g.judge_criterion(OnOutcomes(), seen)[0] == "PASS"
+    assert g.judge_criterion(OnOutcomes(), evidence(stored, [], h=H[:0]))[0] == "ERROR", "no level was run"
 
 
 def a_baseline_is_not_what_it_judges(b: ModuleType) -> None:
     where = ("study", "solver", "case", "ladder")
     baseline = b.Baseline(Path("unused"))
-    assert baseline.judge(*where, evidence(gate, H))[0] == "INCONCLUSIVE"
-    baseline.updated(*where, evidence(gate, H))
-    assert baseline.judge(*where, evidence(gate, H))[0] == "PASS"
-    assert baseline.judge(*where, evidence(gate, 1.02 * H))[0] == "FAIL"
-    assert baseline.judge(*where, evidence(gate, 1.02 * H))[0] == "FAIL", "judging accepts nothing"
-    assert baseline.judge(*where, evidence(gate, 0.9 * H))[0] == "INCONCLUSIVE"
-    assert baseline.judge(*where, evidence(gate, np.where(H == 0.1, np.nan, H)))[0] == "ERROR"
-    assert baseline.judge(*where[:3], "another", evidence(gate, H))[0] == "INCONCLUSIVE"
-    assert baseline.judge(*where, evidence(gate, H, h=H * 0.9))[0] == "INCONCLUSIVE"
+    assert baseline.judge(*where, evidence(stored, H))[0] == "INCONCLUSIVE"
+    baseline.updated(*where, evidence(stored, H))
+    assert baseline.judge(*where, evidence(stored, H))[0] == "PASS"
+    assert baseline.judge(*where, evidence(stored, 1.02 * H))[0] == "FAIL"
+    assert baseline.judge(*where, evidence(stored, 1.02 * H))[0] == "FAIL", "judging accepts nothing"
+    assert baseline.judge(*where, evidence(stored, 0.9 * H))[0] == "INCONCLUSIVE"
+    assert baseline.judge(*where, evidence(stored, np.where(H == 0.1, np.nan, H)))[0] == "ERROR"
+    assert baseline.judge(*where[:3], "another", evidence(stored, H))[0] == "INCONCLUSIVE"
+    assert baseline.judge(*where, evidence(stored, H, h=H * 0.9))[0] == "INCONCLUSIVE"
 
 
 # Properties of the criteria on histories and outcomes.
 
 MATERIAL = LinearElastic(3.0, 2.0)
 BAR = Problem("bar", (0.0,), (1.0,), MATERIAL, {"x-": Traction(), "x+": Traction()}, 1.0)
-SETTING = gate.Setting(VerificationProblem(BAR, ExactSolution({}, ""), "", ()), Discretisation(0.5, 0.5))
+SETTING = Setting(VerificationProblem(BAR, ExactSolution({}, ""), "", ()), Discretisation(0.5, 0.5))
 STOCKS = ("mass", "momentum", "kinetic_energy", "strain_energy")
 
 
@@ -252,8 +255,8 @@ def judged(criterion: Any, *measured: Mapping[str, float]) -> tuple[str, str]:
     names = {name for metrics in measured for name in metrics}
     metrics = {name: np.array([entry.get(name, np.nan) for entry in measured]) for name in names}
     h = 0.5 ** np.arange(len(measured))
-    levels = gate.Evidence(h, h, h, np.ones(len(h), int), ("completed",) * len(h), metrics=metrics)
-    verdict, reason = gate.judge(criterion, levels)
+    levels = stored.Evidence(h, h, h, np.ones(len(h), int), ("completed",) * len(h), metrics=metrics)
+    verdict, reason = judge_criterion(criterion, levels)
     return verdict.value, reason
 
 
@@ -318,7 +321,7 @@ def energy_that_comes_back_does_not_decay(c: ModuleType) -> None:
 def instability_must_be_reported(c: ModuleType) -> None:
     def ended(*outcomes: str) -> str:
         nu = np.full(len(outcomes), 1.1)
-        return gate.judge(c.Unstable(1.0, ""), gate.Evidence(nu, nu, nu, nu.astype(int), outcomes))[0].value
+        return c.Unstable(1.0, "").judge(stored.Evidence(nu, nu, nu, nu.astype(int), outcomes))[0].value
 
     assert ended("unstable; at step 2", "unstable; at step 5") == "PASS"
     assert ended("unstable; at step 2", "completed") == "FAIL"
@@ -337,7 +340,9 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         a_reference_gates_nothing_finer_than_ten_times_its_uncertainty,
         grid_convergence_is_exact_on_power_laws,
     ),
-    "norms": (norms_are_means_over_the_body,),
+    "criteria/norms": (norms_are_means_over_the_body,),
+    "criteria/evidence": (evidence_is_relative,),
+    "convergence/verdict": (the_worst_verdict_decides,),
     "criteria": (
         histories_are_sums_of_the_fields,
         zeros_that_balance_are_no_momentum,
@@ -345,11 +350,8 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         energy_that_comes_back_does_not_decay,
         instability_must_be_reported,
     ),
-    "gate": (
-        evidence_is_relative_and_the_worst_verdict_decides,
-        runs_that_did_not_complete_are_judged_by_their_outcome_alone,
-    ),
-    "baseline": (a_baseline_is_not_what_it_judges,),
+    "judgement/findings": (runs_that_did_not_complete_are_judged_by_their_outcome_alone,),
+    "judgement/baseline": (a_baseline_is_not_what_it_judges,),
 }
 
 
@@ -363,7 +365,9 @@ class Fault:
 
     @property
     def part(self) -> str:
-        return self.file.partition("/")[0].removesuffix(".py")
+        """Module or package that is copied."""
+        module = self.file.removesuffix(".py")
+        return module if module in PROPERTIES else module.partition("/")[0]
 
 
 FITS, SERIES, JUDGING = "convergence/fits.py", "convergence/series.py", "convergence/judging.py"
@@ -371,6 +375,8 @@ GCI, LEVELS, REFERENCE = "convergence/gci.py", "convergence/levels.py", "converg
 FIT_LOGARITHMS = "x, y = np.log(h), np.log(error)\n    dx"
 STUDENT = "float(stdtrit(len(h) - 2, 0.5 + confidence / 2))"
 SUMS, HISTORIES, OUTCOMES = "criteria/sums.py", "criteria/histories.py", "criteria/outcomes.py"
+NORMS, EVIDENCE, VERDICT = "criteria/norms.py", "criteria/evidence.py", "convergence/verdict.py"
+FINDINGS, BASELINE = "judgement/findings.py", "judgement/baseline.py"
 IN_BAND = "if not (low <= fit.low and fit.high <= high):"
 FAULTS = {
     "order by index": Fault(FITS, FIT_LOGARITHMS, "x, y = -0.7 * np.arange(len(h)), np.log(error)\n    dx"),
@@ -431,22 +437,21 @@ FAULTS = {
     "always the small factor": Fault(GCI, "UNCONFIRMED = 1.25, 3.0", "UNCONFIRMED = 1.25, 1.25"),
     "the greater order": Fault(GCI, "min(order, formal)", "max(order, formal)"),
     "extrapolation the wrong way": Fault(GCI, "value[-1] + rest", "value[-1] - rest"),
-    "reference gates everything": Fault(REFERENCE, "error > REFERENCE_MARGIN * self.uncertainty", "error > 0"),
     "uncertainty not relative": Fault(REFERENCE, "self.convergence.uncertainty / self.size if", "self.convergence.uncertainty if"),
     "what has no order qualifies": Fault(REFERENCE, "FLAT < self.convergence.order < math.inf", "not self.convergence.order <= FLAT"),
     "stagnation qualifies": Fault(REFERENCE, "FLAT < self.convergence.order", "0 < self.convergence.order"),
-    "weight inside the power, L2": Fault("norms.py", "np.sqrt(np.sum(weight * np.sum(values**2", "np.sqrt(np.sum(weight**2 * np.sum(values**2"),
-    "no weight, L1": Fault("norms.py", "np.sum(weight * np.linalg.norm", "np.mean(np.linalg.norm"),
-    "sum for mean": Fault("norms.py", "weight = weight / measure[0]", "weight = weight + 0"),
-    "NaN masked in L1": Fault("norms.py", "return np.sum(weight * np.linalg", "return np.nansum(weight * np.linalg"),
-    "NaN masked in L2": Fault("norms.py", "np.sqrt(np.sum(weight *", "np.sqrt(np.nansum(weight *"),
-    "NaN masked in Linf": Fault("norms.py", "return np.max(np.linalg", "return np.nanmax(np.linalg"),
-    "first time for last": Fault("norms.py", "values[-1:], weight[-1:]", "values[:1], weight[:1]"),
-    "errors not squared": Fault("norms.py", "np.sum(values**2, axis=-1)", "np.sum(np.abs(values), axis=-1)"),
-    "error times the exact norm": Fault("gate.py", "return self.error[quantity][:, k] /", "return self.error[quantity][:, k] *"),
-    "an infinite size excuses": Fault("gate.py", "np.where(np.isfinite(self.reference[quantity][:, k]), ", "np.where(True, "),
-    "inconclusive is an error": Fault("gate.py", "return 4 if strict else 0", "return 4"),
-    "an error is a failure": Fault("gate.py", "Verdict.ERROR: 3", "Verdict.ERROR: 1"),
+    "weight inside the power, L2": Fault(NORMS, "np.sqrt(np.sum(weight * np.sum(values**2", "np.sqrt(np.sum(weight**2 * np.sum(values**2"),
+    "no weight, L1": Fault(NORMS, "np.sum(weight * np.linalg.norm", "np.mean(np.linalg.norm"),
+    "sum for mean": Fault(NORMS, "weight = weight / measure[0]", "weight = weight + 0"),
+    "NaN masked in L1": Fault(NORMS, "return np.sum(weight * np.linalg", "return np.nansum(weight * np.linalg"),
+    "NaN masked in L2": Fault(NORMS, "np.sqrt(np.sum(weight *", "np.sqrt(np.nansum(weight *"),
+    "NaN masked in Linf": Fault(NORMS, "return np.max(np.linalg", "return np.nanmax(np.linalg"),
+    "first time for last": Fault(NORMS, "values[-1:], weight[-1:]", "values[:1], weight[:1]"),
+    "errors not squared": Fault(NORMS, "np.sum(values**2, axis=-1)", "np.sum(np.abs(values), axis=-1)"),
+    "error times the exact norm": Fault(EVIDENCE, "return self.error[quantity][:, k] /", "return self.error[quantity][:, k] *"),
+    "an infinite size excuses": Fault(EVIDENCE, "np.where(np.isfinite(self.reference[quantity][:, k]), ", "np.where(True, "),
+    "inconclusive is an error": Fault(VERDICT, "return 4 if strict else 0", "return 4"),
+    "an error is a failure": Fault(VERDICT, "Verdict.ERROR: 3", "Verdict.ERROR: 1"),
     "fields compared with themselves": Fault(SUMS, "np.sum(terms, axis=1) - history", "np.sum(terms, axis=1) - np.sum(terms, axis=1)"),
     "history compared with itself": Fault(SUMS, "np.sum(terms, axis=1) - history", "0 * history"),
     "mass of the current volume": Fault(SUMS, "material.density * weight[0], weight.shape", "material.density * weight, weight.shape"),
@@ -461,19 +466,19 @@ FAULTS = {
     "completion above the limit passes": Fault(OUTCOMES, "if status != Status.UNSTABLE}", "if status not in (Status.UNSTABLE, Status.COMPLETED)}"),
     "crash above the limit passes": Fault(OUTCOMES, "if status != Status.UNSTABLE}", "if status == Status.COMPLETED}"),
     "completion above the limit is an error": Fault(OUTCOMES, "Verdict.FAIL if", "Verdict.ERROR if"),
-    "incomplete runs are judged": Fault("gate.py", "if evidence.incomplete and not isinstance(criterion, OnOutcomes):", "if False:"),
-    "compared with itself": Fault("baseline.py", "then = known.get(name, 0.0)", "then = now"),
-    "what it judges is its baseline": Fault("baseline.py", "known = accepted.get(level, {})", "known = accepted.get(level, values)"),
-    "judging accepts": Fault("baseline.py", "                compared += 1\n", "                compared += 1\n                known[name] = now\n"),
+    "incomplete runs are judged": Fault(FINDINGS, "if evidence.incomplete and not isinstance(criterion, OnOutcomes):", "if False:"),
+    "compared with itself": Fault(BASELINE, "then = known.get(name, 0.0)", "then = now"),
+    "what it judges is its baseline": Fault(BASELINE, "known = accepted.get(level, {})", "known = accepted.get(level, values)"),
+    "judging accepts": Fault(BASELINE, "                compared += 1\n", "                compared += 1\n                known[name] = now\n"),
     "series mixed up": Fault(
-        "baseline.py",
+        BASELINE,
         'self.entries.get(study, {}).get(solver, {}).get(f"{case} | {refinement}", {})',
         "next(iter(self.entries.get(study, {}).get(solver, {}).values()), {})",
     ),
-    "levels mixed up": Fault("baseline.py", 'yield f"h={h:.9g} nu_C', 'yield f"{k} nu_C'),
-    "better is worse": Fault("baseline.py", "elif rose(now, then, size):", "elif False:"),
-    "a loss of half passes": Fault("baseline.py", "RELATIVE = 0.01", "RELATIVE = 0.5"),
-    "NaN compared": Fault("baseline.py", "if not np.all(np.isfinite([now, then, size])):", "if False:"),
+    "levels mixed up": Fault(BASELINE, 'yield f"h={h:.9g} nu_C', 'yield f"{k} nu_C'),
+    "better is worse": Fault(BASELINE, "elif rose(now, then, size):", "elif False:"),
+    "a loss of half passes": Fault(BASELINE, "RELATIVE = 0.01", "RELATIVE = 0.5"),
+    "NaN compared": Fault(BASELINE, "if not np.all(np.isfinite([now, then, size])):", "if False:"),
 }  # fmt: skip
 
 
@@ -491,9 +496,11 @@ def planted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callabl
             target.mkdir()
             shutil.copy(ROOT / f"{part}.py", target / "__init__.py")
         for path in target.glob("*.py"):
-            path.write_text(path.read_text(encoding="utf-8").replace(f"mpmverify.{part}.", f"{name}."), encoding="utf-8")
+            path.write_text(
+                path.read_text(encoding="utf-8").replace(f"mpmverify.{part.replace('/', '.')}.", f"{name}."), encoding="utf-8"
+            )
         if fault:
-            path = target / fault.file.rpartition("/")[2] if "/" in fault.file else target / "__init__.py"
+            path = target / ("__init__.py" if fault.file == f"{part}.py" else Path(fault.file).name)
             text = path.read_text(encoding="utf-8")
             assert text.count(fault.old) == 1, f"{fault.file} holds {fault.old!r} {text.count(fault.old)} times"
             path.write_text(text.replace(fault.old, fault.new), encoding="utf-8")

@@ -19,19 +19,27 @@ MAPPED = {
     "mpmverify.reports": "reports",
 }
 """Folder of each part of the one import namespace."""
-LAYERS = (
-    {"errors"},
-    {"atomic", "material", "quantities", "shapes", "boundary", "problem", "verdict"},
-    {"solution", "waves", "bisection"},
-    {"exact", "norms", "convergence", "gate", "baseline", "criteria", "synthetic", "axis", "superposition", "separation"},
-    {"study"},
-    {"dataset"},
-    {"evaluation", "pool", "runner", "summary", "display", "verification", "bench", "change", "comparison"},
-    {"selftest"},
-    {"cli", "pytest_plugin"},
-    {"__main__"},
+ROOMS = (
+    "errors",
+    "atomic",
+    "problem",
+    "solution",
+    "exact",
+    "convergence",
+    "criteria",
+    "judgement",
+    "study",
+    "dataset",
+    "execution",
+    "adapters",
+    "selftest",
+    "cli",
+    "pytest_plugin",
+    "__main__",
 )
-"""Modules and packages of the core; right may import left, and its own layer in one direction."""
+"""Rooms of the core, from the ground up: a room imports itself and what stands before it."""
+MODULES_OF_THEIR_OWN = {"errors", "atomic", "solution", "study", "pytest_plugin", "__main__"}
+"""Rooms that are one module; every other one is a package."""
 
 
 @cache
@@ -181,25 +189,41 @@ def test_no_module_is_longer_than_three_hundred_lines():
 
 def test_the_reader_of_imports_sees_them():
     """Otherwise what follows would hold of any code."""
-    assert {"mpmverify.dataset.content", "mpmverify.pool", "mpmverify.gate"} <= imports("mpmverify.runner")
+    expected = {"mpmverify.execution.keys", "mpmverify.execution.processes", "mpmverify.judgement.judging"}
+    assert expected <= imports("mpmverify.execution.runner")
     reading = core_imports("mpmverify.cli.judging")
-    assert {"dataset", "gate", "baseline", "reports"} & reading == {"dataset", "gate", "baseline"}
+    assert {"dataset", "execution", "judgement", "reports"} & reading == {"dataset", "execution", "judgement"}
     assert "mpmverify.solvers.fem.solver" in imports("mpmverify.solvers.fem")
 
 
-def test_every_module_of_the_core_has_its_layer():
-    placed = set().union(*LAYERS)
-    assert {module.split(".")[1] for module in of("mpmverify") if module != "mpmverify"} == placed
+def test_every_module_of_the_core_is_in_a_room():
+    top = {module.split(".")[1] for module in of("mpmverify") if module != "mpmverify"}
+    assert top == set(ROOMS)
+    modules = {path.stem for path in (ROOT / "mpmverify").glob("*.py")} - {"__init__"}
+    assert modules == MODULES_OF_THEIR_OWN
 
 
-def test_the_core_imports_from_left_to_right():
-    layer = {name: rank for rank, names in enumerate(LAYERS) for name in names} | {"": -1}
-    against = []
+@pytest.mark.parametrize("room", [*sorted(set(ROOMS) - MODULES_OF_THEIR_OWN), *list(MAPPED)[1:]])
+def test_every_room_says_what_belongs_there_and_what_not(room):
+    module = room if room in MAPPED else f"mpmverify.{room}"
+    words = ast.get_docstring(ast.parse(MODULES[module].read_text(encoding="utf-8"))) or ""
+    assert len(words.split()) >= 25, module
+
+
+def test_the_core_imports_downward_alone():
+    rank = {room: place for place, room in enumerate(ROOMS)} | {"": -1}
+    upward = []
     for module in of("mpmverify"):
         if module != "mpmverify":
-            mine = layer[module.split(".")[1]]
-            against += [f"{module} imports {name}" for name in core_imports(module) if layer[name] > mine]
-    assert against == []
+            mine = rank[module.split(".")[1]]
+            upward += [f"{module} imports {room}" for room in core_imports(module) if rank[room] > mine]
+    assert upward == []
+
+
+def test_the_analysis_of_errors_has_no_solver_near():
+    for module in of("mpmverify"):
+        if f"{module}.".startswith("mpmverify.convergence."):
+            assert core_imports(module) <= {"errors", "convergence"}, module
 
 
 def test_no_modules_of_the_core_import_one_another_in_a_circle():
@@ -221,7 +245,7 @@ def test_the_core_imports_no_solver_study_or_page_but_in_the_command_line_and_th
 
 @pytest.mark.parametrize("module", of("solvers"))
 def test_a_solver_never_sees_its_answer(module):
-    assert core_imports(module) <= {"errors", "material", "problem", "solution"}
+    assert core_imports(module) <= {"errors", "problem", "solution"}
     assert {part(name) for name in imports(module) if name in MODULES} <= {"mpmverify", "solvers"}
     assert not {name.partition(".")[0] for name in imports(module)} & {"xarray", "netCDF4"}
 
@@ -240,7 +264,7 @@ def test_the_reference_shares_no_kernel_and_alone_imports_skfem():
 
 @pytest.mark.parametrize("module", of("reports"))
 def test_a_report_is_made_from_stored_results_alone(module):
-    assert core_imports(module) <= {"", "atomic", "axis", "errors", "dataset", "convergence", "separation", "gate", "summary"}
+    assert core_imports(module) <= {"", "atomic", "errors", "dataset", "convergence", "judgement"}
     assert {part(name) for name in imports(module) if name in MODULES} <= {"mpmverify", "reports"}
 
 
@@ -250,15 +274,21 @@ def test_templates_are_rendered_in_one_module():
     assert {part(module) for module in users} == {"reports"}
 
 
-def test_the_command_line_imports_lazily():
-    commands = [module for module in MODULES if f"{module}.".startswith("mpmverify.cli.")]
-    for module in ("mpmverify", "mpmverify.__main__", "mpmverify.errors", *commands):
-        body = ast.parse(MODULES[module].read_text(encoding="utf-8")).body
-        heavy = {alias.name for node in body if isinstance(node, ast.Import) for alias in node.names}
-        heavy |= {node.module or "" for node in body if isinstance(node, ast.ImportFrom)}
-        allowed = {*sys.stdlib_module_names, "click"}
-        assert {name for name in heavy if name.partition(".")[0] not in allowed} <= {
-            "mpmverify",
-            "mpmverify.errors",
-            *commands,
-        }
+def loaded_by(*arguments):
+    """Top-level packages that are loaded when a command has run, in a process of its own."""
+    run = f"from mpmverify.cli import cli; cli({list(arguments)!r}, standalone_mode=False)"
+    show = "import sys; print('loaded', *sorted({name.partition('.')[0] for name in sys.modules}))"
+    code = f"try:\n    {run}\nexcept SystemExit:\n    pass\n{show}"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(done.stdout.rpartition("\nloaded ")[2].split()) - set(sys.stdlib_module_names)
+
+
+def test_help_pays_for_click_alone():
+    assert {name for name in loaded_by("--help") if not name.startswith(("_", "sitecustomize"))} == {"click", "mpmverify"}
+
+
+def test_judging_a_table_pays_for_no_solver_and_no_files_of_results(tmp_path):
+    (tmp_path / "errors.csv").write_text("h,error\n0.1,1e-2\n0.05,2.5e-3\n0.025,6e-4\n", encoding="utf-8")
+    loaded = loaded_by("judge", str(tmp_path / "errors.csv"))
+    assert {"mpmverify", "numpy"} <= loaded
+    assert not loaded & {"xarray", "pandas", "netCDF4", "numba", "llvmlite", "skfem", "plotly", "jinja2", "distributed"}

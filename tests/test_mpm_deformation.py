@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from mpmverify.material import KelvinVoigt, LinearElastic, NeoHookean
 from mpmverify.problem import Problem, Velocity
+from mpmverify.problem.material import KelvinVoigt, LinearElastic, NeoHookean
 from mpmverify.solvers import mpm
 from mpmverify.solvers.mpm import MaterialPoint
 

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-import mpmverify.material
+import mpmverify.problem.material
 from mpmverify.errors import UsageError
-from mpmverify.material import (
+from mpmverify.problem.material import (
     Hencky,
     KelvinVoigt,
     LinearElastic,
@@ -130,7 +130,7 @@ def embedded(H):
 def test_every_elastic_material_has_its_law():
     laws = [constitution.constitution(material)[0] for material in MATERIALS]
     declared = {
-        kind for kind in vars(mpmverify.material).values() if isinstance(kind, type) and issubclass(kind, LinearElastic)
+        kind for kind in vars(mpmverify.problem.material).values() if isinstance(kind, type) and issubclass(kind, LinearElastic)
     }
     assert set(LAWS) == {type(material) for material in MATERIALS} == declared
     assert len(set(laws)) == len(laws) - 1  # plane stress is linear elastic

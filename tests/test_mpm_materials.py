@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from mpmverify.errors import UsageError
-from mpmverify.material import (
+from mpmverify.problem import Constant, Discretisation, Problem, Traction, Velocity
+from mpmverify.problem.material import (
     Hencky,
     KelvinVoigt,
     LinearElastic,
@@ -14,7 +15,6 @@ from mpmverify.material import (
     PlaneStress,
     SaintVenantKirchhoff,
 )
-from mpmverify.problem import Constant, Discretisation, Problem, Traction, Velocity
 from mpmverify.solvers.mpm import APIC, FLIP, TPIC, MaterialPoint
 
 CONSTANTS = (1.0, 1.0, 0.3)

@@ -7,11 +7,11 @@ import pytest
 from from_python import callable_from_python, one_strip
 from scipy.interpolate import BSpline
 
+from mpmverify.criteria.norms import NORMS, errors
 from mpmverify.errors import UsageError
 from mpmverify.exact.steffen import steffen
-from mpmverify.norms import NORMS, errors
 from mpmverify.problem import Constant, Discretisation, Fixed, LinearElastic, NeoHookean, Periodic, Problem, Traction
-from mpmverify.shapes import Disk
+from mpmverify.problem.shapes import Disk
 from mpmverify.solvers.mpm import APIC, FLIP, PIC, MaterialPoint, fmpm, sweeps, xpic
 from mpmverify.solvers.mpm.basis import BASES
 from mpmverify.solvers.mpm.faces import node_positions

@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpmverify.convergence.judging import verdict
+from mpmverify.convergence.verdict import Verdict
+from mpmverify.criteria.norms import NORMS, errors
 from mpmverify.errors import UsageError
 from mpmverify.exact.ring import expanding_ring
-from mpmverify.norms import NORMS, errors
 from mpmverify.problem import (
     Block,
     Bodies,
@@ -27,7 +28,6 @@ from mpmverify.problem import (
 )
 from mpmverify.solvers.mpm import APIC, FLIP, GAUSS, REGULAR, Layout, MaterialPoint, fmpm, offset
 from mpmverify.solvers.mpm.layout import SLIVER, place_particles
-from mpmverify.verdict import Verdict
 
 CENTERS = st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 DISKS = st.builds(Disk, CENTERS, st.floats(0.05, 0.7))

@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from mpmverify.criteria.norms import NORMS, errors, l1, l2, linf, norms
 from mpmverify.errors import UsageError
 from mpmverify.exact import ExactSolution
-from mpmverify.norms import NORMS, errors, l1, l2, linf, norms
 from mpmverify.solution import Solution, Work
 
 L1, L2, LINF, L2_MAX = (NORMS.index(name) for name in ("L1", "L2", "Linf", "L2-max"))

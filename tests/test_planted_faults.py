@@ -14,11 +14,14 @@ from typing import Any
 import pytest
 
 import mpmverify.solvers
-from mpmverify import evaluation, norms, studies
-from mpmverify.baseline import Baseline
+from mpmverify import studies
+from mpmverify.convergence.verdict import Verdict
+from mpmverify.criteria import norms
 from mpmverify.dataset.files import Results
-from mpmverify.gate import Finding, Verdict
-from mpmverify.runner import Plan, run
+from mpmverify.execution import evaluation
+from mpmverify.execution.runner import Plan, run
+from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.findings import Finding
 from mpmverify.selftest import faults as selftest
 from mpmverify.selftest.faults import Edit
 from mpmverify.selftest.planting import copied, planted

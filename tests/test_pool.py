@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 from faulty_solvers import Scripted, Unreadable, plan, study
 
-from mpmverify import pool
-from mpmverify.bisection import Bisection
+from mpmverify.adapters.bisection import Bisection
 from mpmverify.dataset.files import Results
 from mpmverify.errors import ResultsError, UsageError
-from mpmverify.runner import run, tasks_of
+from mpmverify.execution import processes as pool
+from mpmverify.execution.runner import run, tasks_of
 
 TESTS = Path(__file__).parent
 pytestmark = pytest.mark.skipif(not shutil.which("ps"), reason="needs ps to see what processes are left")
@@ -103,7 +103,7 @@ def test_a_result_that_came_in_while_the_caller_was_busy_is_no_time_out(tmp_path
 def test_a_script_that_its_workers_cannot_import_is_told_so_once(tmp_path, script):
     text = (
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
-        "from pathlib import Path\nfrom faulty_solvers import plan, study\nfrom mpmverify import pool\nfrom mpmverify.runner import tasks_of\n"
+        "from pathlib import Path\nfrom faulty_solvers import plan, study\nfrom mpmverify.execution import processes as pool\nfrom mpmverify.execution.runner import tasks_of\n"
         f"list(pool.over_processes(tasks_of(study(), plan(Path({str(tmp_path)!r}))), 1, 60.0))\n"
     )
     command = [sys.executable, "-"]
@@ -210,7 +210,7 @@ import signal
 import sys
 from pathlib import Path
 from faulty_solvers import Scripted, plan, study
-from mpmverify.runner import run
+from mpmverify.execution.runner import run
 
 def say(study, done, total):
     print(done, flush=True)

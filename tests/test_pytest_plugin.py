@@ -10,9 +10,9 @@ from xml.etree import ElementTree
 import pytest
 from faulty_solvers import SECOND_ORDER, Scripted, plan, study
 
-from mpmverify.bench import Bench
 from mpmverify.criteria import Stall
-from mpmverify.runner import run
+from mpmverify.execution.runner import run
+from mpmverify.execution.shared_study import Bench
 
 TESTS = Path(__file__).parent
 OWN = """
@@ -90,7 +90,7 @@ def test_a_session_without_studies_imports_nothing_of_the_harness(pytester):
 
 
 def test_the_harness_itself_does_not_need_pytest():
-    code = "import sys, mpmverify.cli, mpmverify.runner, mpmverify.bench, mpmverify.verification; sys.exit('pytest' in sys.modules)"
+    code = "import sys, mpmverify.cli, mpmverify.execution.shared_study, mpmverify.execution.verify; sys.exit('pytest' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from mpmverify import cli, studies
-from mpmverify.verification import verify
+from mpmverify.execution.verify import verify
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 (WORKFLOW,) = re.findall(r"<!-- workflow -->\n```yaml\n(.*?)```", README, re.DOTALL)

@@ -19,18 +19,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jinja2 import meta
 
-from mpmverify.baseline import Baseline
 from mpmverify.criteria import Balance, Order
+from mpmverify.criteria.evidence import Evidence, Level, SeriesId, by_series, evidence_of
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
-from mpmverify.dataset.level import Level, Snapshots
 from mpmverify.dataset.selftest import write_selftest
-from mpmverify.dataset.study import build, write_study
+from mpmverify.dataset.snapshots import Snapshots
+from mpmverify.dataset.study import write_study
 from mpmverify.dataset.tables import read_tables
-from mpmverify.dataset.verdicts import declare, findings, judged
 from mpmverify.errors import ResultsError
 from mpmverify.exact import ExactSolution, VerificationProblem
-from mpmverify.gate import Evidence
+from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.judging import judge
+from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
 from mpmverify.problem import Discretisation, Periodic, Problem, Transport
 from mpmverify.reports import charts, render
 from mpmverify.reports.equations import mathml
@@ -104,14 +104,15 @@ def store(results: Results, declared: Study, known: Baseline = NONE) -> list:
     """Write a study as a run would, and return its findings."""
     table, shots = [], {}
     for case, series in declared.series():
-        where = case.name, series.solver.name, series.refinement.label
+        where = SeriesId(case.name, series.solver.name, series.refinement.label)
         table += [level(*where, h) for h in SIZES]
         if series.solver.name != "crashed":
             shots[where] = shot(*where)
-    tree = judged(declare(build(declared, "quick", "inputs", table, shots), declared), known)
+    evidence = {series: evidence_of(levels) for series, levels in by_series(table).items()}
+    judged = judge(declared.name, declared.criteria(), evidence, known, declared.restricted_to)
     results.create()
-    write_study(results.study(declared.name), tree)
-    return findings(tree)
+    write_study(results.study(declared.name), declared, table, shots, judged, tier="quick", inputs="inputs")
+    return list(judged.findings)
 
 
 FAULTS = tuple(

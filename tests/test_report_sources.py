@@ -6,21 +6,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stored_studies import findings
 from test_report import Page, Scheme, study
 
-from mpmverify.baseline import Baseline
+from mpmverify.convergence.sources import Separation, Source
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Order, Separated
+from mpmverify.criteria.evidence import Level, by_series, evidence_of
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.level import Level
-from mpmverify.dataset.sources import NAMES
-from mpmverify.dataset.study import build, read_study, write_study
-from mpmverify.dataset.verdicts import declare, findings, judged
-from mpmverify.gate import Verdict
+from mpmverify.dataset.sources import NAMES, with_sources
+from mpmverify.dataset.study import read_study, read_tree, write_study
+from mpmverify.execution.gate import judged
+from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.judging import judge
 from mpmverify.reports import render
 from mpmverify.reports.dominance import planes
 from mpmverify.reports.reader import read
 from mpmverify.reports.record import Record
-from mpmverify.separation import Separation, Source
 from mpmverify.study import Case, Refinement, Series, Study, design, in_time
 
 BOTH = Separated("u", "L2", (("h", 1.8, 2.2), ("dt", 0.8, 1.2)), "theory")
@@ -57,22 +59,24 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Record]:
             where = ("hill", "good", entry.refinement.label, at.h, at.courant, at.ppc, f"{at.h}-{at.courant}")
             table.append(Level(*where, dt=dt, errors={"u": (norms, np.ones(4))}))
     results.create()
-    tree = judged(declare(build(declared, "quick", "", table, {}), declared), Baseline(Path("none")))
-    write_study(results.study("sources"), tree)
+    evidence = {series: evidence_of(levels) for series, levels in by_series(table).items()}
+    found = judge("sources", declared.criteria(), evidence, Baseline(Path("none")))
+    write_study(results.study("sources"), declared, table, {}, found, tier="quick", inputs="")
     render(results)
     return results, read(results.study("sources"))
 
 
 def test_sources_survive_the_file_and_judging_anew_changes_nothing(stored: tuple[Results, Record]) -> None:
-    tree = read_study(stored[0].study("sources"))
+    tree = read_tree(stored[0].study("sources"))
     dataset = tree["good"].to_dataset(inherit=False)
     assert dataset["source"].values.tolist() == list(NAMES)
     assert dataset["source_exponent"].dims == ("separation", "source")
     found = dataset["source_exponent"].isel(separation=0).sel(source=["h", "dt"]).values
     np.testing.assert_allclose(found, [2, 1], atol=1e-4)
     np.testing.assert_allclose(dataset["source_cosine"].isel(separation=0).sel(source="h", beside="dt"), 1, atol=1e-3)
-    again = judged(tree, Baseline(Path("none")))
-    assert again["good"].to_dataset(inherit=False).identical(dataset)
+    again = judged(read_study(stored[0].study("sources")), Baseline(Path("none")))
+    assert again.findings == findings(tree)
+    assert with_sources(dataset.drop_dims(("separation", "source", "beside")), "good", again).identical(dataset)
     verdicts = {(f.refinement, f.criterion): f.verdict for f in findings(tree) if f.gate == "verification"}
     assert verdicts[LADDERS["design"].label, BOTH.title] is Verdict.PASS
 

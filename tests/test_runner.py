@@ -7,18 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from faulty_solvers import MISDEEDS, SECOND_ORDER, Scripted, ladder, plan, study
+from stored_studies import findings
 
-from mpmverify import evaluation
-from mpmverify.baseline import read_baseline
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Amplification, Balance, Order
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.study import read_study
-from mpmverify.dataset.verdicts import accepted, findings
+from mpmverify.dataset.study import read_tree
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
-from mpmverify.gate import Verdict
+from mpmverify.execution import evaluation
+from mpmverify.execution.gate import accept
+from mpmverify.execution.runner import read_verdicts, run, tasks_of
+from mpmverify.judgement.baseline import read_baseline
 from mpmverify.problem import Discretisation
-from mpmverify.runner import read_verdicts, run, tasks_of
 from mpmverify.study import Case, Refinement, Series, Study, halving
 
 LEVELS = 3
@@ -119,8 +120,8 @@ def test_what_only_the_judgement_depends_on_solves_nothing(tmp_path, change):
     judged_once(study(), tmp_path)
     entry = judged_once(change(study()), tmp_path)
     assert (entry.solved, entry.reused) == (0, LEVELS)
-    stored = read_study(tmp_path / "scripted.nc")
-    assert tuple(findings(stored)) == entry.findings
+    stored = read_tree(tmp_path / "scripted.nc")
+    assert findings(stored) == entry.findings
     assert stored.attrs["title"] == change(study()).title
 
 
@@ -129,7 +130,7 @@ def test_a_changed_baseline_judges_anew_without_solving(tmp_path):
     before = judged_once(study(), tmp_path, baseline=read_baseline(path))
     assert verdicts(before, "regression") == [Verdict.INCONCLUSIVE]
     baseline = read_baseline(path)
-    assert accepted(baseline, [tmp_path / "scripted.nc"], "the first") == 1
+    assert accept(baseline, [tmp_path / "scripted.nc"], "the first") == 1
     baseline.write()
     after = judged_once(study(), tmp_path, baseline=read_baseline(path))
     assert (after.solved, after.reused) == (0, LEVELS)
@@ -239,7 +240,7 @@ def test_the_runs_beside_a_failure_are_kept_and_judged(failing):
     path, journal, entry, again = failing
     neighbour = [f.verdict for f in entry.findings if f.solver == "scripted-good" and f.gate == "verification"]
     assert neighbour == [Verdict.PASS, Verdict.PASS]
-    assert again.findings == entry.findings == tuple(findings(read_study(path / "scripted.nc")))
+    assert again.findings == entry.findings == findings(read_tree(path / "scripted.nc"))
     retried = len(REASONS.keys() - FINISHED)
     assert (entry.solved, entry.reused) == (LEVELS * (len(REASONS) + 1), 0)
     assert (again.solved, again.reused) == (retried, LEVELS * (len(REASONS) + 1) - retried)
@@ -434,7 +435,7 @@ def test_one_process_and_two_give_the_same_study(tmp_path):
     inline, parallel = (judged_once(declared, tmp_path / str(jobs), jobs=jobs) for jobs in (0, 2))
     assert parallel.findings == inline.findings
     assert (parallel.solved, parallel.reused) == (inline.solved, inline.reused)
-    here, there = (read_study(tmp_path / str(jobs) / "scripted.nc") for jobs in (0, 2))
+    here, there = (read_tree(tmp_path / str(jobs) / "scripted.nc") for jobs in (0, 2))
     assert here.groups == there.groups
     for group in here.groups:
         one, other = (tree[group].to_dataset(inherit=False).drop_vars("seconds", errors="ignore") for tree in (here, there))
@@ -456,4 +457,4 @@ def test_a_series_that_leaves_no_run_to_show_spoils_no_other_of_its_solver(tmp_p
     declared = Study("scripted", "Scripted", "One good series.", (Case("hill", advection(Gaussian(width=0.2)), series, "u"),))
     entry = judged_once(declared, tmp_path)
     assert verdicts(entry) == [Verdict.PASS, Verdict.ERROR]
-    assert read_study(Results(tmp_path).study("scripted"))["scripted-raises/histories"].sizes["shown"] == 1
+    assert read_tree(Results(tmp_path).study("scripted"))["scripted-raises/histories"].sizes["shown"] == 1

@@ -18,15 +18,15 @@ from faulty_solvers import transported
 from test_planted_faults import SOURCES
 
 from mpmverify import studies
-from mpmverify.baseline import Baseline
 from mpmverify.cli import cli
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
 from mpmverify.dataset.selftest import read_selftest, write_selftest
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
+from mpmverify.execution.runner import Plan, run
+from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
 from mpmverify.problem import Discretisation
-from mpmverify.runner import Plan, run
 from mpmverify.selftest import processes, session
 from mpmverify.selftest.faults import Edit, Fault, passage
 from mpmverify.selftest.named import HISTORIC, NAMED

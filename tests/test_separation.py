@@ -5,10 +5,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from mpmverify.convergence.sources import REST, Separation, separate
+from mpmverify.convergence.superposition import Model
+from mpmverify.convergence.synthetic import measure_designs
 from mpmverify.errors import UsageError
-from mpmverify.separation import REST, Separation, separate
-from mpmverify.superposition import Model
-from mpmverify.synthetic import measure_designs
 
 LIGHT = settings(max_examples=20)
 HALVES = 0.5 ** np.arange(4)

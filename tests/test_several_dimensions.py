@@ -8,7 +8,9 @@ import pytest
 from faulty_solvers import plan
 from sampled_solvers import Everywhere, Sampled
 
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Balance, Order
+from mpmverify.criteria.norms import errors
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.runs import read_run
 from mpmverify.dataset.study import read_study
@@ -18,16 +20,14 @@ from mpmverify.exact.axis_aligned import axis_aligned
 from mpmverify.exact.ring import expanding_ring
 from mpmverify.exact.steffen import steffen
 from mpmverify.exact.vortex import generalised_vortex
-from mpmverify.gate import Verdict
-from mpmverify.norms import errors
+from mpmverify.execution.runner import run, tasks_of
+from mpmverify.execution.verify import verify
 from mpmverify.problem import Discretisation, components
-from mpmverify.quantities import history_units, multiplicity
+from mpmverify.problem.quantities import history_units, multiplicity
 from mpmverify.reports import render
-from mpmverify.runner import run, tasks_of
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 from mpmverify.study import Case, Series, Study, halving
-from mpmverify.verification import verify
 
 BAR, SQUARE, CUBE, RING, VORTEX = steffen(), axis_aligned(2), axis_aligned(3), expanding_ring(), generalised_vortex()
 MADE = "made so"

@@ -6,13 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from mpmverify.bisection import Bisection
+from mpmverify.adapters.bisection import Bisection
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import StabilityLimit
+from mpmverify.criteria.criterion import Setting
+from mpmverify.criteria.evidence import Evidence
 from mpmverify.errors import UsageError
 from mpmverify.exact.dispersion import symbols
 from mpmverify.exact.ring_modes import ring_modes
 from mpmverify.exact.stability import BASES, LIMITS, TRANSFERS, courant_limit, squared_limit
-from mpmverify.gate import Evidence, Setting, Verdict, judge
+from mpmverify.judgement.findings import judge_criterion
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Outcome, Solution, Status, Work
 from mpmverify.solvers.mpm import FLIP, MaterialPoint, fmpm
@@ -196,7 +199,7 @@ CRITERION = StabilityLimit("mpm-tl-linear-usl-flip", 0.01, "theory")
     ],
 )
 def test_the_measured_limit_is_judged_either_way(measured, courant, verdict):
-    assert judge(CRITERION, evidence(measured, [1, 2], courant))[0] is verdict
+    assert judge_criterion(CRITERION, evidence(measured, [1, 2], courant))[0] is verdict
 
 
 def test_a_scheme_without_a_known_limit_is_refused():
@@ -233,4 +236,4 @@ def test_a_scheme_with_another_limit_fails(solver, factor):
     solution = Bisection(Hasty(solver, factor)).solve(verification.problem, at)
     metrics = {name: np.array([value]) for name, value in criterion.measure(solution, Setting(verification, at)).items()}
     told = Evidence(np.array([at.h]), np.array([solution.dt]), np.array([4.0]), np.array([2]), ("completed",), metrics=metrics)
-    assert judge(criterion, told)[0] is (Verdict.PASS if factor == 1 else Verdict.FAIL)
+    assert judge_criterion(criterion, told)[0] is (Verdict.PASS if factor == 1 else Verdict.FAIL)

@@ -10,8 +10,9 @@ import xmlschema
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpmverify.gate import Finding, Verdict, worst
-from mpmverify.summary import (
+from mpmverify.convergence.verdict import Verdict, worst
+from mpmverify.judgement.findings import Finding
+from mpmverify.judgement.summary import (
     ANNOTATIONS,
     CELL,
     MARKDOWN_ROWS,

@@ -8,10 +8,10 @@ import pytest
 from click.testing import CliRunner
 
 from mpmverify.convergence import ROUND_OFF, pairwise_orders
-from mpmverify.synthetic import KINDS, Rate, Truth, measure, measure_limits, rates, specimen, total
-from mpmverify.synthetic.__main__ import main
-from mpmverify.synthetic.laws import MARGIN, Setting
-from mpmverify.verdict import Verdict
+from mpmverify.convergence.synthetic import KINDS, Rate, Truth, measure, measure_limits, rates, specimen, total
+from mpmverify.convergence.synthetic.__main__ import main
+from mpmverify.convergence.synthetic.laws import MARGIN, Setting
+from mpmverify.convergence.verdict import Verdict
 
 EACH = 200
 

@@ -11,16 +11,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpmverify import studies
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Balance, EnergyConserved, EnergyDrift, Exact, Order
+from mpmverify.criteria.evidence import evidence_of
+from mpmverify.criteria.expectations import MARGIN, expectations, order_band
 from mpmverify.errors import UsageError
 from mpmverify.exact.advection import Gaussian, Inflow, advection
 from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic_bar
-from mpmverify.gate import Verdict
+from mpmverify.execution.runner import run
+from mpmverify.execution.verify import verify
 from mpmverify.problem import Constant, Outflow
-from mpmverify.runner import run
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.study import design, halving, in_time
-from mpmverify.verification import MARGIN, evidence_of, expectations, order_band, verify
 
 HILL = study()
 
@@ -312,7 +314,7 @@ def test_a_run_that_hangs_or_kills_its_process_is_an_error_under_a_time_limit():
 
 
 def test_a_quantity_that_one_level_lacks_is_absent_and_a_metric_is_not_a_number():
-    from mpmverify.dataset.level import Level
+    from mpmverify.criteria.evidence import Level
 
     norms = (np.ones(4), np.ones(4))
     levels = [

@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmverify.criteria import AmplitudeDecay, Dispersion, FrontPosition, PhaseError
+from mpmverify.criteria.criterion import Setting
 from mpmverify.errors import UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
 from mpmverify.exact.dispersion import RELATIONS
 from mpmverify.exact.elastic_bar import StepLoad, elastic_bar
 from mpmverify.exact.vibration import axial_vibration
-from mpmverify.gate import Setting
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Solution, Work
 

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from mpmverify.waves import amplitude, delay_and_gain, front, jump, modal_history, step_factor
+from mpmverify.criteria.measurements import amplitude, delay_and_gain, modal_history, step_factor
+from mpmverify.exact.waves import front, jump
 
 LIGHT = settings(max_examples=60)
 

@@ -1,4 +1,7 @@
-"""Command line: every command parses, calls the library, displays or aborts; heavy imports stay inside."""
+"""The command line: every command parses its options, calls the library, and displays the result or one sentence.
+
+Here belong commands, options and what a terminal shows. Heavy imports stay inside the commands, and no number is computed here.
+"""
 
 from typing import NoReturn
 

@@ -53,13 +53,13 @@ def gate(
 
     On GitHub ($GITHUB_ACTIONS is "true") the worst ten findings become annotations.
     """
-    from mpmverify import summary as summaries
-    from mpmverify.dataset.verdicts import read_findings
-    from mpmverify.display import show
-    from mpmverify.gate import exit_status
+    from mpmverify.cli.findings import show
+    from mpmverify.convergence.verdict import exit_status
+    from mpmverify.execution import gate as stored_studies
+    from mpmverify.judgement import summary as summaries
 
     known = accepted(baseline)
-    findings = [finding for path in stored(out, studies) for finding in read_findings(path, known)]
+    findings = [finding for path in stored(out, studies) for finding in stored_studies.gate(path, known)]
     if junit:
         with _opened(junit, "wb") as file:
             file.write(summaries.junit(findings))
@@ -99,9 +99,9 @@ def compare(before: Path, after: Path, explain: bool) -> None:
 
     Nothing is run: verdicts, errors, orders, steps and seconds are those in the files.
     """
-    from mpmverify import comparison
+    from mpmverify.cli.comparison import show_comparison
     from mpmverify.dataset.tables import read_tables
-    from mpmverify.display import show_comparison
+    from mpmverify.judgement import comparison
 
     if before.resolve() == after.resolve():
         raise UsageError(f"A and B are both '{before}': name two results folders")
@@ -123,13 +123,13 @@ def baseline() -> None:
 @click.option("--reason", required=True, help="Why the errors may change; kept in the baseline.")
 def accept(studies: tuple[str, ...], out: Path, baseline: Path | None, reason: str) -> None:
     """Take the stored errors over into the baseline."""
-    from mpmverify.baseline import read_baseline
-    from mpmverify.dataset import verdicts
+    from mpmverify.execution import gate as stored_studies
+    from mpmverify.judgement.baseline import read_baseline
 
     if not reason.strip():
         raise UsageError("--reason must say why the errors may change")
     known = read_baseline(baseline or shipped_baseline())
-    count = verdicts.accepted(known, stored(out, studies), reason.strip())
+    count = stored_studies.accept(known, stored(out, studies), reason.strip())
     known.write()
     click.echo(f"Accepted {count} series into {known.path}")
 

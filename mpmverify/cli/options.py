@@ -11,8 +11,8 @@ import click
 from mpmverify.errors import UsageError
 
 if TYPE_CHECKING:
-    from mpmverify.baseline import Baseline
     from mpmverify.dataset.files import Results
+    from mpmverify.judgement.baseline import Baseline
 
 EPILOG = "Exit status: 0 pass, 1 a gate failed, 2 usage, 3 a run erred or nothing was judged, 4 inconclusive under --strict."
 
@@ -59,7 +59,7 @@ def shipped_baseline() -> Path:
 
 def accepted(path: Path | None) -> "Baseline":
     """Read the baseline that results are compared with."""
-    from mpmverify.baseline import read_baseline
+    from mpmverify.judgement.baseline import read_baseline
 
     if path and not path.exists():
         raise UsageError(f"there is no baseline '{path}': make it with `mpmverify baseline accept`, or leave --baseline out")

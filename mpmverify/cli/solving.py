@@ -23,7 +23,7 @@ from mpmverify.cli.options import (
 from mpmverify.errors import UsageError
 
 if TYPE_CHECKING:
-    from mpmverify.gate import Finding
+    from mpmverify.judgement.findings import Finding
     from mpmverify.study import Study
 
 
@@ -70,12 +70,13 @@ def run(
 
     Without STUDY, all studies run.
     """
+    from mpmverify.cli.findings import show
+    from mpmverify.cli.progress import Progress
+    from mpmverify.convergence.verdict import exit_status
     from mpmverify.dataset.files import Results
-    from mpmverify.display import Progress, show
-    from mpmverify.gate import exit_status
-    from mpmverify.pool import processors
-    from mpmverify.runner import Plan
-    from mpmverify.runner import run as run_studies
+    from mpmverify.execution.processes import processors
+    from mpmverify.execution.runner import Plan
+    from mpmverify.execution.runner import run as run_studies
 
     plan = Plan(
         results=Results(out),
@@ -122,10 +123,11 @@ def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, expl
     What is known of a fault is kept: an interrupted self-test goes on where it was.
     """
     from mpmverify import solvers, studies
+    from mpmverify.cli.kill_table import show_selftest
+    from mpmverify.cli.progress import Progress
     from mpmverify.dataset.files import Results
     from mpmverify.dataset.selftest import write_selftest
-    from mpmverify.display import Progress, show_selftest
-    from mpmverify.pool import processors
+    from mpmverify.execution.processes import processors
     from mpmverify.selftest.session import Session
 
     results, known = Results(out), accepted(baseline)

@@ -33,9 +33,9 @@ def judge(file: Path, size: str | None, errors: tuple[str, ...], low: float | No
     first one; every other column but dt and ppc is one of errors, relative to the size of the exact solution. Without --low and
     --high nothing passes: the order is told, and an error that does not converge fails.
     """
+    from mpmverify.cli.console import show_judgements
     from mpmverify.convergence import FLAT, PLAUSIBLE, read_table, verdict
-    from mpmverify.display import show_judgements
-    from mpmverify.gate import exit_status
+    from mpmverify.convergence.verdict import exit_status
 
     table = read_table(file)
     size = size or ("h" if "h" in table.names else table.names[0])

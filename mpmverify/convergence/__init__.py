@@ -1,4 +1,8 @@
-"""Orders of convergence, what they are worth, and verdicts on them: plain arrays from any code in, no solver near."""
+"""From error series to verdict: plain arrays of any code in, an order with its interval and a verdict out.
+
+Here belong fits, the classification of a series, grid convergence indices, the separation of sources of error, tables of errors, and
+random series of known truth that measure the judge. Nothing here knows of a solver, a problem or a file of results.
+"""
 
 from mpmverify.convergence.fits import CONFIDENCE, Fit, FloorFit, fit_floor, fit_order, pairwise_orders
 from mpmverify.convergence.gci import Behaviour, GridConvergence, grid_convergence, grid_convergence_of_differences

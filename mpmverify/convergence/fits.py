@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtrit
 
-from mpmverify.problem import Array
+from mpmverify.convergence.levels import Array
 
 CONFIDENCE = 0.95
 

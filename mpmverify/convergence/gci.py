@@ -6,9 +6,8 @@ from enum import StrEnum
 
 import numpy as np
 
-from mpmverify.convergence.levels import Numbers, levels, numbers
+from mpmverify.convergence.levels import Array, Numbers, levels, numbers
 from mpmverify.errors import UsageError
-from mpmverify.problem import Array
 
 AGREEMENT = 0.1
 """Largest relative distance of the observed order from the formal one at which they agree."""

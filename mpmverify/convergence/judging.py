@@ -2,8 +2,8 @@
 
 from mpmverify.convergence.levels import Numbers, numbers
 from mpmverify.convergence.series import FLAT, ROUND_OFF, STEP_SLACK, Classification, Convergence, analyse
+from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.errors import UsageError
-from mpmverify.verdict import Judgement, Verdict
 
 PLAUSIBLE = 12.0
 """No scheme has a higher order in h or dt: a coarse level blew up, or a fine one is exact by accident."""

@@ -3,10 +3,11 @@
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpmverify.errors import UsageError
-from mpmverify.problem import Array
 
+Array = NDArray[np.float64]
 Numbers = Any
 """Anything that numpy makes a one-dimensional array of numbers of."""
 SAME = 1e-6

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from mpmverify.convergence.gci import Behaviour, GridConvergence, grid_convergence, grid_convergence_of_differences
 from mpmverify.convergence.levels import Numbers, levels
-from mpmverify.convergence.series import FLAT, REFERENCE_MARGIN
+from mpmverify.convergence.series import FLAT
 from mpmverify.errors import UsageError
 
 
@@ -50,10 +50,6 @@ class Reference:
         return f"not qualified: its finest levels are {found.behaviour}" + (
             "; three are needed" if found.behaviour is Behaviour.TOO_SHORT else ""
         )
-
-    def may_gate(self, error: float) -> bool:
-        """Whether a relative error [1] is large enough to be told from that of the reference."""
-        return error > REFERENCE_MARGIN * self.uncertainty
 
 
 def qualify(h: Numbers, value: Numbers | None = None, *, formal: float) -> Reference:

@@ -11,9 +11,8 @@ from enum import StrEnum
 import numpy as np
 
 from mpmverify.convergence.fits import CONFIDENCE, Fit, FloorFit, fit_order, pairwise_orders, significant_floor
-from mpmverify.convergence.levels import Numbers, levels
+from mpmverify.convergence.levels import Array, Numbers, levels
 from mpmverify.errors import UsageError
-from mpmverify.problem import Array
 
 ROUND_OFF = 1e-12
 """Relative error at and below which a level says nothing about the order of a double-precision scheme."""

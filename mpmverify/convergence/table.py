@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from mpmverify.convergence.levels import Array
 from mpmverify.errors import ResultsError, UsageError
-from mpmverify.problem import Array
 
 DELIMITERS = ",;\t"
 

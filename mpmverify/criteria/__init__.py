@@ -1,4 +1,8 @@
-"""Criteria: what a study may demand of a series, each with its own failure sentence."""
+"""What a study may demand of a series: criteria, what they measure on a solution, and their failure sentences.
+
+Here belong error norms, measurements on waves, sums and histories, the evidence that runs leave behind, and the criteria on it. To
+add a criterion is to write its class and to enter it in `CRITERIA`. Verdicts on a whole study are made in `judgement`.
+"""
 
 from collections.abc import Mapping
 from typing import Any

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.convergence import ROUND_OFF, Classification, judge_order
+from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.criterion import OnLimits, Setting
+from mpmverify.criteria.evidence import Evidence
 from mpmverify.criteria.judging import judge_largest
-from mpmverify.gate import Evidence, Judgement, Setting, Verdict
-from mpmverify.norms import NORMS
+from mpmverify.criteria.norms import NORMS
 from mpmverify.solution import Solution
 
 
@@ -50,7 +52,7 @@ class Order(OfErrors):
 
 
 @dataclass(frozen=True)
-class Stall(OfErrors):
+class Stall(OfErrors, OnLimits):
     """The scheme is known not to converge: the last two observed orders are below a bound.
 
     Parameters

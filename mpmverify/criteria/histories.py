@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
+from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.criterion import Setting
+from mpmverify.criteria.evidence import Evidence
 from mpmverify.criteria.judging import are_sizes, judge_largest, relative_defect
-from mpmverify.gate import Evidence, Judgement, Setting, Verdict
-from mpmverify.material import KelvinVoigt, Maxwell
 from mpmverify.problem import Array, LinearElastic, components
+from mpmverify.problem.material import KelvinVoigt, Maxwell
 from mpmverify.solution import Solution
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from mpmverify.gate import Judgement, Verdict
+from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.problem import Array
 
 

@@ -3,12 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mpmverify.gate import Evidence, Judgement, OnOutcomes, Setting, Verdict
+from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.criterion import OnLimits, OnOutcomes, Setting
+from mpmverify.criteria.evidence import Evidence
 from mpmverify.solution import Solution, Status
 
 
 @dataclass(frozen=True)
-class Unstable(OnOutcomes):
+class Unstable(OnOutcomes, OnLimits):
     """Every run of a series beyond the stability limit ends as unstable: neither completed, nor crashed, nor non-finite.
 
     The initial data must hold a mode that grows, so that it does not take round-off to start it.

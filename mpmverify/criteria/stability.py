@@ -6,15 +6,17 @@ from typing import ClassVar
 
 import numpy as np
 
+from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.criterion import OnLimits, Setting
+from mpmverify.criteria.evidence import Evidence
 from mpmverify.criteria.judging import judge_largest
 from mpmverify.errors import UsageError
 from mpmverify.exact.stability import LIMITS
-from mpmverify.gate import Evidence, Judgement, Setting, Verdict
 from mpmverify.solution import Solution
 
 
 @dataclass(frozen=True)
-class StabilityLimit:
+class StabilityLimit(OnLimits):
     """The Courant number of the last stable run of a `Bisection` is the limit of von Neumann's analysis, on every level.
 
     Parameters

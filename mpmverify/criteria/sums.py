@@ -5,9 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.criterion import Setting
+from mpmverify.criteria.evidence import Evidence
 from mpmverify.criteria.judging import judge_largest, relative_defect
 from mpmverify.errors import UsageError
-from mpmverify.gate import Evidence, Judgement, Setting, Verdict
 from mpmverify.problem import Array, LinearElastic, Problem, Transport
 from mpmverify.solution import Solution
 

@@ -8,13 +8,16 @@ from typing import ClassVar
 import numpy as np
 
 from mpmverify.convergence import ROUND_OFF, analyse, judge_order
+from mpmverify.convergence.verdict import Judgement, Verdict, worst
+from mpmverify.criteria.criterion import Setting
+from mpmverify.criteria.evidence import Evidence
 from mpmverify.criteria.judging import judge_largest
+from mpmverify.criteria.measurements import amplitude, delay_and_gain, modal_history, step_factor
 from mpmverify.errors import UsageError
 from mpmverify.exact.dispersion import RELATIONS, front_lag, leading_errors
-from mpmverify.gate import Evidence, Judgement, Setting, Verdict, worst
+from mpmverify.exact.waves import front, jump
 from mpmverify.problem import Array
 from mpmverify.solution import Solution
-from mpmverify.waves import amplitude, delay_and_gain, front, jump, modal_history, step_factor
 
 ClosedForm = Callable[[Array, float], Array]
 """Exact values (n,) at positions (n,) [m] and a time [s]."""

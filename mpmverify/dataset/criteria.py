@@ -2,38 +2,49 @@
 
 import dataclasses
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import xarray as xr
 
 from mpmverify.criteria import CRITERIA
-from mpmverify.dataset.study import text
+from mpmverify.criteria.criterion import Criterion
+from mpmverify.criteria.evidence import SeriesId
+from mpmverify.dataset.tree import text
 from mpmverify.errors import UsageError
-from mpmverify.gate import Criterion
+
+COLUMNS = ("criterion_case", "criterion_refinement", "criterion_json")
 
 
-def with_criteria(dataset: xr.Dataset, declared: Sequence[tuple[str, str, Criterion]]) -> xr.Dataset:
-    """Add the declared criteria (case, refinement, criterion) of a solver to its dataset, so that a file can be judged alone."""
+def with_criteria(dataset: xr.Dataset, solver: str, declared: Mapping[SeriesId, Sequence[Criterion]]) -> xr.Dataset:
+    """Add the declared criteria of a solver to its dataset, one row each."""
     rows = [
         # A criterion is a frozen dataclass, which its protocol cannot say.
-        (case, refinement, json.dumps({"type": type(criterion).__name__} | dataclasses.asdict(criterion)))  # type: ignore[call-overload]
-        for case, refinement, criterion in declared
+        (series.case, series.refinement, json.dumps({"type": type(one).__name__} | dataclasses.asdict(one)))  # type: ignore[call-overload]
+        for series, criteria in declared.items()
+        if series.solver == solver
+        for one in criteria
     ]
-    names = ("criterion_case", "criterion_refinement", "criterion_json")
-    return dataset.assign({name: ("criterion", text([row[k] for row in rows])) for k, name in enumerate(names)})
+    return dataset.assign({name: ("criterion", text([row[k] for row in rows])) for k, name in enumerate(COLUMNS)})
 
 
-def criteria(dataset: xr.Dataset) -> list[tuple[str, str, Criterion]]:
-    """Declared criteria of a solver's dataset."""
-    names = ("criterion_case", "criterion_refinement", "criterion_json")
-    table = []
-    for case, refinement, stored in zip(*(dataset[name].values.tolist() for name in names), strict=True):
+def read_criteria(solver: str, dataset: xr.Dataset) -> dict[SeriesId, tuple[Criterion, ...]]:
+    """Declared criteria of a solver's dataset by series.
+
+    Raises
+    ------
+    UsageError
+        If a criterion is unknown, or does not take the values that are stored of it.
+    """
+    table: dict[SeriesId, tuple[Criterion, ...]] = {}
+    for case, refinement, stored in zip(*(dataset[name].values.tolist() for name in COLUMNS), strict=True):
         values = json.loads(stored)
         kind = values.pop("type")
         if kind not in CRITERIA:
             raise UsageError(f"the criterion {kind!r} of {case!r} is unknown: choose from {', '.join(CRITERIA)}")
-        table.append((case, refinement, CRITERIA[kind](**{name: _frozen(value) for name, value in values.items()})))
+        criterion: Criterion = CRITERIA[kind](**{name: _frozen(value) for name, value in values.items()})
+        series = SeriesId(case, solver, refinement)
+        table[series] = (*table.get(series, ()), criterion)
     return table
 
 

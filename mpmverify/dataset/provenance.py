@@ -8,7 +8,6 @@ from importlib import metadata
 from pathlib import Path
 
 import mpmverify
-from mpmverify.dataset.content import library_versions
 from mpmverify.dataset.files import SCHEMA
 
 
@@ -58,4 +57,15 @@ def attributes(kind: str, title: str, summary: str) -> dict[str, str | int]:
         "commit_state": state,
         "versions": versions(),
         "platform": platform.platform(),
+    }
+
+
+NUMERICAL_LIBRARIES = ("numpy", "scipy", "numba", "scikit-fem")
+
+
+@cache
+def library_versions() -> dict[str, str]:
+    """Versions that can change a result, by name."""
+    return {"python": platform.python_version(), "machine": platform.machine()} | {
+        name: metadata.version(name) for name in NUMERICAL_LIBRARIES
     }

@@ -10,7 +10,7 @@ from mpmverify.dataset import provenance
 from mpmverify.dataset.files import check_ours
 from mpmverify.errors import ResultsError
 from mpmverify.problem import Array
-from mpmverify.quantities import UNITS, components, history_units, unit
+from mpmverify.problem.quantities import UNITS, components, history_units, unit
 from mpmverify.solution import Outcome, Solution, Status, Work
 
 

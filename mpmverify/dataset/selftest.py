@@ -17,13 +17,13 @@ import numpy as np
 import xarray as xr
 
 from mpmverify.atomic import write_atomic
+from mpmverify.convergence.synthetic import Rate
 from mpmverify.dataset import provenance
 from mpmverify.dataset.files import check_ours
-from mpmverify.dataset.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
 from mpmverify.dataset.study import text
 from mpmverify.dataset.tree import write_tree
 from mpmverify.errors import ResultsError
-from mpmverify.synthetic import Rate
+from mpmverify.judgement.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
 
 KINDS: dict[str, type[Any]] = {"fault": PlantedFault, "run": UnmodifiedRun, "kind": Rate}
 RATES = tuple(entry.name for entry in dataclasses.fields(Rates))

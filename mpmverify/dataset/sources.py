@@ -1,15 +1,12 @@
 """The sources of error that criteria tell apart, in the dataset of a solver: one row a criterion."""
 
-from collections.abc import Mapping, Sequence
-
 import numpy as np
 import xarray as xr
 
-from mpmverify.axis import UNITS
-from mpmverify.criteria import Separated
-from mpmverify.dataset.study import text
-from mpmverify.gate import Criterion, Evidence
-from mpmverify.separation import REST, Source
+from mpmverify.convergence.axis import UNITS
+from mpmverify.convergence.sources import REST, Source
+from mpmverify.dataset.tree import text
+from mpmverify.judgement.judging import Judged
 
 NAMES = (*UNITS, REST)
 MEANING = {
@@ -21,18 +18,17 @@ MEANING = {
 }
 
 
-def with_sources(
-    dataset: xr.Dataset,
-    declared: Sequence[tuple[str, str, Criterion]],
-    seen: Mapping[tuple[str, str], Evidence],
-) -> xr.Dataset:
-    """Add the sources of the errors that are to be separated, if any, to a solver's dataset; sources out of question are NaN."""
-    rows = [(case, refinement, entry) for case, refinement, entry in declared if isinstance(entry, Separated)]
-    rows = [row for row in rows if row[:2] in seen and row[2].quantity in seen[row[:2]].error]
-    dataset = dataset.drop_dims(("separation", "source", "beside"), errors="ignore")
+def with_sources(dataset: xr.Dataset, solver: str, judged: Judged) -> xr.Dataset:
+    """Add the sources of error that criteria separate, if any, to a solver's dataset; sources out of question are NaN."""
+    rows = [
+        (series, criterion, separation)
+        for series, separations in judged.separations.items()
+        if series.solver == solver
+        for criterion, separation in separations
+    ]
     if not rows:
         return dataset
-    found = [entry.separation(seen[case, refinement]) for case, refinement, entry in rows]
+    found = [separation for _, _, separation in rows]
     table = {name: np.full((len(rows), len(NAMES)), np.nan) for name in MEANING}
     cosine = np.full((len(rows), len(NAMES), len(NAMES)), np.nan)
     for k, separation in enumerate(found):
@@ -43,10 +39,10 @@ def with_sources(
             i, j = NAMES.index(one), NAMES.index(other)
             cosine[k, i, j] = cosine[k, j, i] = value
     texts = {
-        "case": [case for case, _, _ in rows],
-        "refinement": [refinement for _, refinement, _ in rows],
-        "quantity": [entry.quantity for _, _, entry in rows],
-        "norm": [entry.norm for _, _, entry in rows],
+        "case": [series.case for series, _, _ in rows],
+        "refinement": [series.refinement for series, _, _ in rows],
+        "quantity": [criterion.quantity for _, criterion, _ in rows],
+        "norm": [criterion.norm for _, criterion, _ in rows],
         "obstacle": [separation.obstacle for separation in found],
     }
     residual = np.array([separation.residual for separation in found])

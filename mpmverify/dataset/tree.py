@@ -7,6 +7,7 @@ Texts are arrays of characters: a process that has a file with variable-length s
 takes turns, and needs ten times as long for a tree of fifty groups.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import netCDF4
@@ -59,3 +60,8 @@ def _variable(group: netCDF4.Dataset, name: str, values: xr.Variable) -> tuple[n
     variable.set_auto_chartostring(False)
     variable.setncattr("_Encoding", "utf-8")
     return variable, np.ascontiguousarray(encoded.astype(f"S{width}")).view("S1").reshape(*values.shape, width)
+
+
+def text(values: Sequence[str]) -> np.ndarray:
+    """Return texts as an array (n,) that a dataset takes, an empty one included."""
+    return np.array(list(values), dtype=object if len(values) else "U1")

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpmverify.exact.amplification import two_step_taylor_galerkin
+from mpmverify.exact.waves import front, oscillation
 from mpmverify.problem import Array
-from mpmverify.waves import front, oscillation
 
 Relation = Callable[[Array, float, int], NDArray[np.complex128]]
 """Phase angles k h (n,) [rad], Courant number c dt/h, particles per cell -> factor of a step (n,)."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from mpmverify.exact.solution import ExactField
 from mpmverify.problem import Array, Field, NeoHookean
-from mpmverify.quantities import SYMMETRIC
+from mpmverify.problem.quantities import SYMMETRIC
 
 
 class Motion(Protocol):

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmverify.boundary import Periodic
 from mpmverify.errors import UsageError
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
-from mpmverify.material import LinearElastic
 from mpmverify.problem import Array, Problem
+from mpmverify.problem.boundary import Periodic
+from mpmverify.problem.material import LinearElastic
 
 
 @dataclass(frozen=True)

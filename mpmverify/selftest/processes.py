@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from multiprocessing.connection import Connection, wait
 from typing import Any, Protocol, TypeVar
 
-from mpmverify.pool import no_interrupt
+from mpmverify.execution.processes import no_interrupt
 
 T = TypeVar("T")
 R = TypeVar("R")

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import TypeVar
 
 from mpmverify.atomic import write_atomic
-from mpmverify.baseline import Baseline
-from mpmverify.dataset.content import digest, file_digest
+from mpmverify.convergence.synthetic import Rate, measure, measure_designs, measure_limits
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
-from mpmverify.gate import Verdict
-from mpmverify.runner import Plan, run
+from mpmverify.execution.keys import digest, file_digest
+from mpmverify.execution.runner import Plan, run
+from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
 from mpmverify.selftest.faults import Fault, passage
 from mpmverify.selftest.named import NAMED
 from mpmverify.selftest.processes import each_alone, environment
@@ -25,13 +26,12 @@ from mpmverify.selftest.trials import TRIALS, merged
 from mpmverify.selftest.unmodified import settings, unmodified
 from mpmverify.selftest.verdict import Court, Fortune
 from mpmverify.study import Study
-from mpmverify.synthetic import Rate, measure, measure_designs, measure_limits
 
 EACH = 4
 """Faults of every rule and family in the full tier."""
 RUNS = {"quick": 4, "full": 50}
 """Runs of the unmodified solvers."""
-CODE = ("mpmverify.evaluation", "mpmverify.dataset.verdicts", "mpmverify.selftest.verdict")
+CODE = ("mpmverify.execution.evaluation", "mpmverify.judgement.judging", "mpmverify.selftest.verdict")
 """Modules that judge a fault."""
 SERIES = {"quick": 13_500, "full": 270_000}
 """Random series that the judge is asked about."""
@@ -104,7 +104,7 @@ class Session:
     def _rates(self, beside: ProcessPoolExecutor) -> Callable[[], Rates]:
         """Ask another process how often the judge is right about random series of known truth; what is returned waits for it."""
         count = SERIES[self.tier]
-        path = self._path(digest(count, SEED, code=("mpmverify.synthetic",)))
+        path = self._path(digest(count, SEED, code=("mpmverify.convergence.synthetic",)))
         try:
             stored = json.loads(path.read_text(encoding="utf-8"))
             known = Rates(**{name: tuple(Rate(**row) for row in rows) for name, rows in stored.items()})

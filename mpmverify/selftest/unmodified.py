@@ -7,16 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mpmverify.baseline import Baseline
+from mpmverify.convergence.verdict import worst
 from mpmverify.criteria import Dispersion
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.kill_table import UnmodifiedRun
-from mpmverify.gate import worst
-from mpmverify.runner import Plan, run
+from mpmverify.execution.runner import Plan, run
+from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.kill_table import UnmodifiedRun
+from mpmverify.judgement.summary import ranked
 from mpmverify.selftest.processes import environment
 from mpmverify.selftest.verdict import counts
 from mpmverify.study import Series, Study
-from mpmverify.summary import ranked
 
 JITTER = 1e-5
 """Random places spoil the quadrature by a share that does not fall with h: from 1e-4 on it shows in the third digit of published errors."""

@@ -10,13 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from mpmverify.baseline import Baseline
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.kill_table import Fate
 from mpmverify.dataset.runs import read_run
 from mpmverify.errors import UsageError
-from mpmverify.gate import Finding, Verdict
-from mpmverify.runner import Plan, run, tasks_of
+from mpmverify.execution.runner import Plan, run, tasks_of
+from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.findings import Finding
+from mpmverify.judgement.kill_table import Fate
 from mpmverify.selftest.faults import Edit, Fault
 from mpmverify.selftest.planting import planted, replanted
 from mpmverify.selftest.syntax import names

@@ -1,7 +1,7 @@
 """Which problems the material point method takes."""
 
-from mpmverify.material import PlaneStress
 from mpmverify.problem import Fixed, Periodic, Problem, Traction, Velocity, require
+from mpmverify.problem.material import PlaneStress
 
 from .constitution import LAWS
 

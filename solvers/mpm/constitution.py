@@ -7,7 +7,7 @@ Tensors are tuples, see `mpmverify.solvers.mpm.tensors`.
 
 from typing import NamedTuple
 
-from mpmverify.material import (
+from mpmverify.problem.material import (
     Hencky,
     KelvinVoigt,
     LinearElastic,

@@ -1,0 +1,128 @@
+"""What a solver declares of itself is what must hold of it, limited by the smoothness of the exact solution."""
+
+import math
+from collections.abc import Mapping, Set
+from numbers import Real
+
+import numpy as np
+
+from mpmverify.criteria import Balance, Order
+from mpmverify.criteria.criterion import Criterion
+from mpmverify.errors import UsageError
+from mpmverify.exact import VerificationProblem
+from mpmverify.problem import UNITS, Inflow, Outflow, Transport
+from mpmverify.solution import Solver
+
+MARGIN = 0.15
+"""How far an observed order may lie from the formal one on smooth data."""
+INVARIANTS = ("mass", "momentum")
+"""What a solver may declare to conserve."""
+THEORY = (
+    "a scheme of order p on data with s derivatives in L1 has at most the order s p/(p+1) in L1, and at least its order in L2, "
+    "(s-1/2) p/(p+1): Brenner, Thomee and Wahlbin (1975), doi:10.1007/BFb0068125"
+)
+
+
+def order_band(order: float, derivatives: float) -> tuple[float, float]:
+    """Band of observed orders of a scheme: L2 on smooth data, L1 where `derivatives` is finite.
+
+    Parameters
+    ----------
+    order : float
+        Formal order p on smooth data.
+    derivatives : float
+        The number s of derivatives that the exact field has in L1.
+
+    Returns
+    -------
+    (float, float)
+        p - 0.15 and p + 0.15 on smooth data. Else the upper edge is no more than s p/(p+1) + 0.15, the order that a front smeared over
+        h^(p/(p+1)) leaves, and the lower edge no more than (s - 1/2) p/(p+1), the order in L2, which bounds the one in L1 from below.
+
+    Notes
+    -----
+    At a jump the bands of all orders overlap: a high order is proved on smooth data alone.
+
+    References
+    ----------
+    Brenner P., Thomee V., Wahlbin L. B. (1975). Besov Spaces and Applications to Difference Methods for Initial Value Problems.
+    Springer, doi:10.1007/BFb0068125
+    """
+    gain = order / (order + 1)
+    return min(order - MARGIN, (derivatives - 0.5) * gain), min(order, derivatives * gain) + MARGIN
+
+
+def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterion, ...]:
+    """Criteria that follow from what a solver declares: its formal orders and what it conserves.
+
+    Parameters
+    ----------
+    solver : Solver
+    problem : VerificationProblem
+        Its exact solution says how smooth the fields are.
+
+    Returns
+    -------
+    tuple of Criterion
+        An `Order` for every declared quantity that the exact solution has, and a `Balance` for every invariant.
+
+    Raises
+    ------
+    UsageError
+        If it declares what is unknown, or no order of a quantity that the exact solution has.
+    """
+    if not isinstance(solver.orders, Mapping):
+        raise UsageError(
+            f"solver {solver.name!r} declares its orders as {solver.orders!r}: give a mapping of quantity to order"
+        )
+    if not isinstance(solver.conserves, Set):
+        raise UsageError(f"solver {solver.name!r} declares that it conserves {solver.conserves!r}: give a set of names")
+    for quantity, order in solver.orders.items():
+        if quantity not in UNITS:
+            raise UsageError(
+                f"solver {solver.name!r} declares the order of an unknown {quantity!r}: known are {', '.join(UNITS)}"
+            )
+        if not isinstance(order, Real) or isinstance(order, bool | np.bool_) or not (math.isfinite(order) and order > 0):
+            raise UsageError(
+                f"solver {solver.name!r} declares the order {order!r} of {quantity}: an order is positive and finite"
+            )
+    if unknown := sorted(set(solver.conserves) - set(INVARIANTS), key=str):
+        raise UsageError(f"solver {solver.name!r} conserves an unknown {unknown[0]!r}: known are {', '.join(INVARIANTS)}")
+    declared = {quantity: order for quantity, order in solver.orders.items() if quantity in problem.exact.fields}
+    if not declared:
+        raise UsageError(
+            f"solver {solver.name!r} declares no order of {' or '.join(problem.exact.fields)}, so that nothing can be expected of "
+            f"it on {problem.problem.name!r}: declare its orders, or give criteria"
+        )
+    return (
+        *(_order(quantity, order, problem) for quantity, order in declared.items()),
+        *(
+            Balance(invariant, source, f"declared by {solver.name}")
+            for invariant, source in _sources(problem).items()
+            if invariant in solver.conserves
+        ),
+    )
+
+
+def _order(quantity: str, order: float, problem: VerificationProblem) -> Order:
+    derivatives = _derivatives(quantity, problem)
+    low, high = (round(edge, 3) for edge in order_band(order, derivatives))
+    declared = f"the solver declares order {order:g} of {quantity} on smooth data"
+    if math.isinf(derivatives):
+        return Order(quantity, "L2", low, high, f"{declared}; where it is better than that on this problem, give criteria")
+    return Order(quantity, "L1", low, high, f"{declared}; here s = {derivatives:g}; {THEORY}")
+
+
+def _derivatives(quantity: str, problem: VerificationProblem) -> float:
+    """Regularity of one field: the displacement is an integral, and has one derivative more than velocity and stress."""
+    integrated = quantity == "displacement" and problem.exact.fields.keys() & {"velocity", "stress"}
+    return problem.exact.derivatives + (1 if integrated else 0)
+
+
+def _sources(problem: VerificationProblem) -> dict[str, str]:
+    """Invariants of a problem, each with the history that accounts for its change; "" where nothing may change it."""
+    stated = problem.problem
+    if isinstance(stated.material, Transport):
+        open_ended = any(isinstance(condition, Inflow | Outflow) for condition in stated.boundary.values())
+        return {"mass": "inflow" if open_ended else ""}
+    return {"mass": "", "momentum": "impulse"}

@@ -1,0 +1,86 @@
+"""Weighted norms of fields sampled at quadrature points; NaN poisons every one of them."""
+
+import numpy as np
+
+from mpmverify.errors import UsageError
+from mpmverify.exact import ExactSolution
+from mpmverify.problem import Array
+from mpmverify.problem.quantities import multiplicity
+from mpmverify.solution import Solution
+
+NORMS = ("L1", "L2", "Linf", "L2-max")
+"""L1, L2 and Linf at the final time; L2-max is the largest L2 over the output times. The measure is that of the body at the start:
+L1 and L2 are means over it, and every norm has the unit of its field."""
+
+
+def l1(values: Array, weight: Array) -> Array:
+    """Return sum_p w_p |e_p| for values (T, P, components) and weights (T, P), as (T,)."""
+    return np.sum(weight * np.linalg.norm(values, axis=-1), axis=-1)
+
+
+def l2(values: Array, weight: Array) -> Array:
+    """Return sqrt(sum_p w_p |e_p|^2) for values (T, P, components) and weights (T, P), as (T,)."""
+    return np.sqrt(np.sum(weight * np.sum(values**2, axis=-1), axis=-1))
+
+
+def linf(values: Array) -> Array:
+    """Return max_p |e_p| for values (T, P, components), as (T,)."""
+    return np.max(np.linalg.norm(values, axis=-1), axis=-1)
+
+
+def norms(values: Array, weight: Array) -> Array:
+    """Return all `NORMS` of one field, (4,), in its unit; all NaN when weights are negative, or those of one time have no finite sum.
+
+    Parameters
+    ----------
+    values : Array
+        (T, P, components).
+    weight : Array
+        Quadrature weights (T, P) [m^dim]; those of the first time sum to the measure |Omega| of the body.
+
+    Notes
+    -----
+    L1 is (sum_p w_p |e_p|) / |Omega| and L2 is sqrt(sum_p w_p |e_p|^2 / |Omega|).
+    """
+    measure = weight.sum(axis=-1)
+    if not (np.all(weight >= 0) and np.all(np.isfinite(measure) & (measure > 0))):
+        return np.full(len(NORMS), np.nan)
+    weight = weight / measure[0]
+    last, last_weight = values[-1:], weight[-1:]
+    return np.array([l1(last, last_weight)[0], l2(last, last_weight)[0], linf(last)[0], np.max(l2(values, weight))])
+
+
+def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, Array]]:
+    """Norms of the error and of the exact field, by quantity that both sides have.
+
+    The size of a vector or tensor at a point is its Euclidean one, over all entries of the tensor: a component off the diagonal of
+    a stress counts twice.
+
+    Returns
+    -------
+    dict of str to (Array, Array)
+        (error norms (4,), exact norms (4,)) in the order of `NORMS`.
+
+    Raises
+    ------
+    UsageError
+        If a field or the weights do not have the shape that `Solution` asks for: numpy would stretch them to fit.
+    """
+    samples = (len(solution.time), len(solution.reference))
+    if solution.weight.shape != samples or not all(samples):
+        raise UsageError(f"a solver must return weights (T, P) = {samples} of at least one point, not {solution.weight.shape}")
+    table = {}
+    for quantity, closed_form in exact.fields.items():
+        if quantity in solution.fields:
+            expected = closed_form(solution.reference, solution.time)
+            found = solution.fields[quantity].shape
+            entries = np.sqrt(multiplicity(quantity, solution.reference.shape[1]))
+            if not found == expected.shape == (*samples, len(entries)):
+                raise UsageError(
+                    f"a solver must return {quantity} as (T, P, components) = {(*samples, len(entries))}, not {found}"
+                )
+            table[quantity] = (
+                norms((solution.fields[quantity] - expected) * entries, solution.weight),
+                norms(expected * entries, solution.weight),
+            )
+    return table

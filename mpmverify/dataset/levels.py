@@ -1,0 +1,126 @@
+"""Levels of a solver in its dataset: sizes, errors, metrics and work, one row a run."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmverify.criteria.evidence import Level
+from mpmverify.criteria.norms import NORMS
+from mpmverify.dataset.tree import text
+from mpmverify.problem import Array
+from mpmverify.problem.quantities import UNITS
+
+
+def level_table(levels: Sequence[Level]) -> xr.Dataset:
+    """Dataset of the levels of one solver, in their order."""
+    quantities = list(dict.fromkeys(quantity for level in levels for quantity in level.errors))
+    metrics = sorted({name for level in levels for name in level.metrics})
+    absent = np.full(len(NORMS), np.nan)
+    table = np.array([[level.errors.get(q, (absent, absent)) for q in quantities] for level in levels], dtype=float)
+    table = table.reshape(len(levels), len(quantities), 2, len(NORMS))
+    error, size = table[:, :, 0], table[:, :, 1]
+
+    def each(read: Any, units: str | None = None, long_name: str = "") -> tuple[str, Any, dict[str, str]]:
+        values = [read(level) for level in levels]
+        if units is None:
+            return "level", text(values), {"long_name": long_name}
+        return "level", np.array(values), {"units": units, "long_name": long_name}
+
+    return xr.Dataset(
+        {
+            "error": (
+                ("level", "quantity", "norm"),
+                error / np.where(size > 0, size, 1.0),
+                {
+                    "units": "1",
+                    "long_name": "error relative to the exact norm",
+                    "comment": "absolute where the exact norm is 0",
+                },
+            ),
+            "metric": (
+                ("level", "metric_name"),
+                np.array([[level.metrics.get(name, np.nan) for name in metrics] for level in levels]).reshape(
+                    len(levels), len(metrics)
+                ),
+                {"units": "1", "long_name": "what the criteria measured on the solutions"},
+            ),
+            "steps": each(lambda level: level.steps, "1", "time steps"),
+            "point_steps": each(lambda level: level.point_steps, "1", "particles or elements times steps"),
+            "seconds": each(lambda level: level.seconds, "s", "wall time without compilation"),
+            "outcome": each(lambda level: level.outcome, None, "how the run ended"),
+            "run": each(lambda level: level.key, None, "key of the run file"),
+        }
+        | {
+            f"{name}_{quantity}": (
+                ("level", "norm"),
+                values[:, k],
+                {"units": UNITS[quantity], "long_name": f"{of} {quantity}; L1 and L2 are means over the body"},
+            )
+            for k, quantity in enumerate(quantities)
+            for name, values, of in (
+                ("error_absolute", error, "norm of the error of"),
+                ("exact_norm", size, "norm of the exact"),
+            )
+        },
+        coords={
+            "case": each(lambda level: level.case, None, "case"),
+            "refinement": each(lambda level: level.refinement, None, "ladder"),
+            "h": each(lambda level: level.h, "m", "cell size"),
+            "dt": each(lambda level: level.dt, "s", "time step"),
+            "courant": each(lambda level: level.courant, "1", "Courant number"),
+            "ppc": each(lambda level: level.ppc, "1", "particles per cell"),
+            "jitter": each(lambda level: level.jitter, "1", "largest displacement of a particle as a share of the spacing"),
+            "seed": each(lambda level: level.seed, "1", "seed of the displacements"),
+            "quantity": ("quantity", text(quantities)),
+            "norm": ("norm", text(NORMS)),
+            "metric_name": ("metric_name", text(metrics)),
+        },
+    )
+
+
+def read_levels(solver: str, dataset: xr.Dataset) -> list[Level]:
+    """Levels of a solver's dataset; a level has the quantities and metrics that were measured on it.
+
+    Raises
+    ------
+    LookupError, ValueError
+        If the dataset lacks a column, or one does not hold what a judge may take for granted.
+    """
+    count = dataset.sizes["level"]
+
+    def numbers(name: str, *shape: int) -> Array:
+        values: Array = dataset[name].values
+        if values.dtype.kind not in "fiu" or values.shape != (count, *shape):
+            raise ValueError(f"{name} is of type {values.dtype} and shape {values.shape}")
+        return values
+
+    sizes = {name: numbers(name) for name in ("h", "dt", "courant", "ppc")}
+    # The time step of a run that never began is not known.
+    if not all(
+        np.all((values > 0) & (values < np.inf) | (np.isnan(values) & (name == "dt"))) for name, values in sizes.items()
+    ):
+        raise ValueError("a level has no size")
+    quantities, metrics = (dataset[name].values.tolist() for name in ("quantity", "metric_name"))
+    exact = {quantity: numbers(f"exact_norm_{quantity}", len(NORMS)) for quantity in quantities}
+    error = {quantity: numbers(f"error_absolute_{quantity}", len(NORMS)) for quantity in quantities}
+    metric = numbers("metric", len(metrics))
+    columns = sizes | {name: numbers(name) for name in ("jitter", "seed", "steps", "point_steps", "seconds")}
+    rows = {name: values.tolist() for name, values in columns.items()}
+    rows |= {name: dataset[name].values.tolist() for name in ("case", "refinement", "outcome")} | {
+        "key": dataset["run"].values.tolist()
+    }
+
+    def measured(k: int) -> Mapping[str, float]:
+        return {str(name): value for name, value in zip(metrics, metric[k].tolist(), strict=True) if not np.isnan(value)}
+
+    return [
+        Level(
+            solver=solver,
+            errors={q: (error[q][k], exact[q][k]) for q in quantities if np.isfinite(exact[q][k]).all()},
+            metrics=measured(k),
+            **{name: values[k] for name, values in rows.items()},
+        )
+        for k in range(count)
+    ]

@@ -1,0 +1,117 @@
+"""Fields and histories of one run of each series, which the pages show: contiguous ragged arrays."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmverify.dataset.tree import text
+from mpmverify.problem import Array
+from mpmverify.problem.quantities import UNITS, components, history_units
+
+DIMENSIONS = {1: "", 2: "_2d", 3: "_3d"}
+"""Suffix of the groups that hold the runs of each dimension: their components and units differ."""
+
+
+@dataclass(frozen=True)
+class Snapshots:
+    """Fields and histories of one run: T times, P points, N samples of the histories.
+
+    Parameters
+    ----------
+    case, refinement : str
+        Series that the run belongs to.
+    h : float
+        Cell size [m].
+    time : Array
+        Output times (T,) [s].
+    reference, position : Array
+        Sample points (P, dim) and (T, P, dim) [m].
+    fields, exact : mapping of str to Array
+        Numerical and exact fields (T, P, components) by quantity.
+    histories : mapping of str to Array
+        (N,) by name.
+    """
+
+    case: str
+    refinement: str
+    h: float
+    time: Array
+    reference: Array
+    position: Array
+    fields: Mapping[str, Array]
+    exact: Mapping[str, Array]
+    histories: Mapping[str, Array]
+
+
+def snapshot_groups(shots: Sequence[Snapshots]) -> dict[str, xr.Dataset]:
+    """Groups of a solver by name: "snapshots", "histories_2d" and so on."""
+    groups = {}
+    for dimension, suffix in DIMENSIONS.items():
+        if alike := [shot for shot in shots if shot.reference.shape[1] == dimension]:
+            groups[f"snapshots{suffix}"] = _profiles(alike, dimension)
+            groups[f"histories{suffix}"] = _histories(alike, dimension)
+    return groups
+
+
+def _profiles(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
+    variables: dict[str, Any] = {}
+
+    def put(quantity: str, suffix: str, read: Any, long_name: str, attributes: Mapping[str, str]) -> None:
+        names = components(quantity, dimension)
+        absent = [np.full((*shot.position.shape[:2], len(names)), np.nan) for shot in shots]
+        columns = [
+            np.asarray(read(shot, blank), dtype=float).reshape(-1, len(names))
+            for shot, blank in zip(shots, absent, strict=True)
+        ]
+        for name, values in zip(names, np.concatenate(columns).T, strict=True):
+            shown = name.replace(quantity, long_name).replace("_", " ")
+            variables[name + suffix] = ("obs", values, {**attributes, "long_name": shown})
+
+    put("reference", "", lambda s, _: np.broadcast_to(s.reference, s.position.shape), "reference position", {"units": "m"})
+    put("position", "", lambda s, _: s.position, "current position", {"units": "m"})
+    places = " ".join(("time", *components("position", dimension)))
+    for quantity in dict.fromkeys(quantity for shot in shots for quantity in shot.fields):
+        attributes = {"units": UNITS[quantity], "coordinates": places}
+        put(quantity, "", lambda s, blank, q=quantity: s.fields.get(q, blank), quantity, attributes)
+        put(quantity, "_exact", lambda s, blank, q=quantity: s.exact.get(q, blank), f"exact {quantity}", attributes)
+    rows = [(shot, t) for shot in shots for t in shot.time]
+    return xr.Dataset(
+        variables,
+        coords={
+            "case": ("output", text([shot.case for shot, _ in rows])),
+            "refinement": ("output", text([shot.refinement for shot, _ in rows])),
+            "h": ("output", np.array([shot.h for shot, _ in rows]), {"units": "m", "long_name": "cell size"}),
+            "time": ("output", np.array([t for _, t in rows]), {"units": "s", "long_name": "output time"}),
+            "row_size": (
+                "output",
+                np.array([len(shot.reference) for shot, _ in rows]),
+                {"units": "1", "long_name": "points of the profile", "sample_dimension": "obs"},
+            ),
+        },
+    )
+
+
+def _histories(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
+    names = list(dict.fromkeys(name for shot in shots for name in shot.histories))
+    variables = {}
+    units = history_units(dimension, transported=any("u" in shot.fields for shot in shots))
+    for name in names:
+        columns = [shot.histories.get(name, np.full(len(shot.histories["time"]), np.nan)) for shot in shots]
+        attributes = {"units": units[name], "long_name": name.replace("_", " ")}
+        variables[f"history_{name}"] = ("obs", np.concatenate(columns), attributes)
+    return xr.Dataset(
+        variables,
+        # Not "series", which a solver's fits are of: those of its series that left no run to show have no histories.
+        coords={
+            "case": ("shown", text([shot.case for shot in shots])),
+            "refinement": ("shown", text([shot.refinement for shot in shots])),
+            "row_size": (
+                "shown",
+                np.array([len(shot.histories["time"]) for shot in shots]),
+                {"units": "1", "long_name": "samples of the history", "sample_dimension": "obs"},
+            ),
+        },
+    )

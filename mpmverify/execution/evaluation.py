@@ -1,0 +1,272 @@
+"""One run from its declaration to its row in the study: solved or read back, compared with the exact solution."""
+
+import dataclasses
+import math
+import textwrap
+import traceback
+from collections.abc import Hashable
+from dataclasses import dataclass
+from numbers import Real
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmverify.criteria.criterion import Criterion, Setting
+from mpmverify.criteria.evidence import Level
+from mpmverify.criteria.norms import errors
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.runs import read_run, write_run
+from mpmverify.dataset.snapshots import Snapshots
+from mpmverify.errors import MpmverifyError, UsageError
+from mpmverify.exact import VerificationProblem
+from mpmverify.execution.keys import digest, in_library
+from mpmverify.problem import Discretisation
+from mpmverify.problem.quantities import components, history_units
+from mpmverify.solution import Outcome, Solution, Solver, Status
+
+SNAPSHOT_OUTPUTS = 32
+HISTORY_SAMPLES = 256
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run and what is measured on it; a value that travels to worker processes.
+
+    Parameters
+    ----------
+    results : Path
+        Results folder.
+    study : str
+    index : int
+        Position among the runs of the study.
+    case, refinement : str
+        Where the run stands in its study.
+    problem : VerificationProblem
+    solver : Solver
+    discretisation : Discretisation
+    criteria : tuple of Criterion
+    key : str
+        Content key of the run.
+    shown : bool
+        Whether its profiles and histories go into the study's file.
+    reuse : bool
+        Whether a finished run may be read back.
+    """
+
+    results: Path
+    study: str
+    index: int
+    case: str
+    refinement: str
+    problem: VerificationProblem
+    solver: Solver
+    discretisation: Discretisation
+    criteria: tuple[Criterion, ...]
+    key: str
+    shown: bool = False
+    reuse: bool = True
+
+    def __str__(self) -> str:
+        return f"{self.study} / {self.case} / {self.solver.name} / {self.refinement} / h={self.discretisation.h:g}"
+
+    @property
+    def kernel(self) -> Hashable:
+        """What the solver says that it compiles for the problem, see `Solver`; None if it does not say.
+
+        Raises
+        ------
+        UsageError
+            If it raises, or says what is not hashable.
+        """
+        says = getattr(self.solver, "kernel", None)
+        try:
+            found: Hashable = says(self.problem.problem) if callable(says) else None
+            hash(found)
+        except Exception as error:
+            raise UsageError(
+                f"solver {self.solver.name!r} does not say what it compiles ({type(error).__name__}: {error}): let kernel(problem) "
+                "return a hashable value, or leave it out"
+            ) from error
+        return found
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """What a task leaves: its row, its profiles when they are shown, and whether it was solved now."""
+
+    level: Level
+    snapshots: Snapshots | None = None
+    solved: bool = False
+
+
+def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discretisation) -> str:
+    """Content key of a run: problem, solver, discretisation, their code and the numerical libraries.
+
+    Parameters
+    ----------
+    problem : VerificationProblem
+        Its exact solution is no content: a solver does not see it.
+    solver : Solver
+    discretisation : Discretisation
+
+    Raises
+    ------
+    UsageError
+        If one of them is no value; see `digest`.
+    """
+    return digest(problem.problem, solver, discretisation)
+
+
+def failed(task: Task, status: Status, detail: str) -> Evaluated:
+    """Row of a run that left no solution: it crashed or timed out. Nothing is stored, so that it is tried again."""
+    return Evaluated(_level(task, Outcome(status, _plain(detail))), solved=True)
+
+
+def evaluate(task: Task) -> Evaluated:
+    """Solve, or read back, and compare.
+
+    Raises
+    ------
+    UsageError
+        If the solver cannot take the problem.
+    ResultsError
+        If a run file is damaged or cannot be written.
+    """
+    path = Results(task.results).run(task.key)
+    solved = not (task.reuse and path.exists())
+    try:
+        if solved:
+            solution = task.solver.solve(task.problem.problem, task.discretisation)
+            if wrong := _contradiction(task, solution):
+                return failed(task, Status.CRASHED, wrong)
+            solution = dataclasses.replace(solution, outcome=_confirmed(solution))
+            if wrong := _breach(task, solution):
+                return failed(task, Status.CRASHED, wrong)
+            write_run(path, task.key, solution, str(task))
+        else:
+            solution = read_run(path, task.key)
+        return Evaluated(_compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
+    except MpmverifyError:
+        raise
+    except (Exception, SystemExit) as error:  # a solver under test may raise anything, and its neighbours must still finish
+        return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({place(error)})")
+
+
+def place(error: BaseException) -> str:
+    """File and line of an exception: the innermost of the user's own code, for a library seldom shows what is wrong."""
+    frames = traceback.extract_tb(error.__traceback__)[1:] or traceback.extract_tb(error.__traceback__)
+    where = next((frame for frame in reversed(frames) if not in_library(Path(frame.filename))), frames[-1])
+    return f"{Path(where.filename).name}:{where.lineno}"
+
+
+def _contradiction(task: Task, solution: Any) -> str:
+    """Say why what a solver returned has not the form of a solution; "" when it has."""
+    if not isinstance(solution, Solution):
+        return f"it returned {type(solution).__name__} instead of a Solution"
+    if wrong := solution.inconsistency():
+        return f"it returned an inconsistent solution: {wrong}"
+    dimension = task.problem.problem.dimension
+    if solution.reference.shape[1] != dimension:
+        return f"its points have {solution.reference.shape[1]} coordinates in {dimension} dimensions"
+    known = history_units(dimension)
+    if unknown := sorted(solution.histories.keys() - known.keys()):
+        return f"it returned the unknown history {unknown[0]!r}: known are {', '.join(known)}"
+    for quantity, values in solution.fields.items():
+        names = components(quantity, dimension)
+        if values.shape[2] != len(names):
+            return f"its {quantity} has {values.shape[2]} components instead of {', '.join(names)}"
+    if not (_is_number(solution.dt) and math.isfinite(solution.dt) and solution.dt > 0):
+        return f"its time step dt is {solution.dt!r}, which is not positive and finite"
+    for name, value in dataclasses.asdict(solution.work).items():
+        if not (_is_number(value) and math.isfinite(value) and value >= 0):
+            return f"its work has {name} = {value!r}, which is no finite number from 0"
+    return ""
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+
+
+def _breach(task: Task, solution: Solution) -> str:
+    """Say how a completed solution, finite and of the right form, breaks the contract of `Solution`; "" when it keeps it."""
+    if not solution.outcome.completed:
+        return ""
+    problem, level = task.problem.problem, task.discretisation
+    end = problem.end_time
+    if solution.dt * problem.material.wave_speed > level.courant * level.h * (1 + 1e-6):
+        limit = level.courant * level.h / problem.material.wave_speed
+        return f"its time step is {solution.dt:.9g} s, above the limit of {limit:.9g} s at the Courant number {level.courant:g}"
+    for what, times in (("output", solution.time), ("history", solution.histories["time"])):
+        if times[0] != 0:
+            return f"its first {what} is at {times[0]:g} s instead of 0"
+        if not np.all(np.diff(times) > 0):
+            return f"its {what} times do not rise strictly"
+        if abs(times[-1] - end) > 1e-9 * end:
+            return f"it reports completion, but its last {what} is at {times[-1]:.12g} s and the final time is {end:.12g} s"
+    if np.any(solution.weight < 0):
+        return f"its weights are negative, down to {np.min(solution.weight):g}"
+    covered, measure = float(np.sum(solution.weight[0])), problem.measure
+    if abs(covered - measure) > 1e-6 * measure:
+        what = "box" if problem.shape is None else "body"
+        return f"its first weights sum to {covered:.9g}, and the measure of the {what} is {measure:.9g}"
+    return ""
+
+
+def _confirmed(solution: Solution) -> Outcome:
+    """Outcome of a solution, which is non-finite when the solver has not noticed that it is."""
+    outcome = solution.outcome
+    bad = [name for name, values in solution.arrays().items() if not np.all(np.isfinite(values))]
+    if outcome.completed and bad:
+        return Outcome(Status.NON_FINITE, f"the solver reports completion, but {bad[0]} is not finite")
+    return Outcome(outcome.status, _plain(outcome.detail))
+
+
+def _plain(text: str) -> str:
+    """One line that every file format and every terminal takes."""
+    encodable = text.encode("utf-8", "replace").decode()
+    return textwrap.shorten("".join(char for char in encodable if char.isprintable() or char.isspace()), 500)
+
+
+def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:
+    at = task.discretisation
+    identity = (task.case, task.solver.name, task.refinement, at.h, at.courant, at.ppc, task.key)
+    return Level(*identity, jitter=at.jitter, seed=at.seed, outcome=str(outcome), **measured)
+
+
+def _compare(task: Task, solution: Solution) -> Level:
+    metrics: dict[str, float] = {}
+    table = {}
+    if solution.outcome.completed:
+        table = errors(solution, task.problem.exact)
+        setting = Setting(task.problem, task.discretisation)
+        for criterion in task.criteria:
+            measured = criterion.measure(solution, setting)
+            for name in measured.keys() & metrics.keys():
+                if not np.array_equal(measured[name], metrics[name], equal_nan=True):
+                    raise UsageError(f"{task}: two criteria measure {name!r} differently: give each a series of its own")
+            metrics |= measured
+    work = dataclasses.asdict(solution.work)
+    return _level(task, solution.outcome, dt=solution.dt, errors=table, metrics=metrics, **work)
+
+
+def _snapshots(task: Task, solution: Solution) -> Snapshots:
+    outputs = _spread(len(solution.time), SNAPSHOT_OUTPUTS + 1)
+    samples = _spread(len(solution.histories["time"]), HISTORY_SAMPLES + 1)
+    time = solution.time[outputs]
+    return Snapshots(
+        case=task.case,
+        refinement=task.refinement,
+        h=task.discretisation.h,
+        time=time,
+        reference=solution.reference,
+        position=solution.position[outputs],
+        fields={quantity: values[outputs] for quantity, values in solution.fields.items()},
+        exact={q: field(solution.reference, time) for q, field in task.problem.exact.fields.items() if q in solution.fields},
+        histories={name: values[samples] for name, values in solution.histories.items()},
+    )
+
+
+def _spread(count: int, most: int) -> np.ndarray:
+    """Return at most `most` of `count` indices, evenly, with both ends."""
+    return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(int))

@@ -1,0 +1,178 @@
+"""Studies from declaration to judged dataset; what is already solved is not solved again."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from mpmverify.criteria.evidence import by_series, evidence_of
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.verdicts import StoredVerdicts, read_verdicts, write_verdicts
+from mpmverify.execution import processes
+from mpmverify.execution.dask import Distributed
+from mpmverify.execution.evaluation import Evaluated, Task, run_key
+from mpmverify.execution.keys import digest, file_digest
+from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.findings import Finding
+from mpmverify.judgement.judging import judge
+from mpmverify.problem import Discretisation, Problem
+from mpmverify.study import Study
+
+JUDGING = ("mpmverify.execution.evaluation", "mpmverify.judgement.judging", "mpmverify.dataset.study")
+"""Modules that measure, judge and store."""
+SHOWN_POINTS = 160
+"""The pages show the finest level of a series with at most so many cells times particles."""
+
+
+@dataclass(frozen=True)
+class StudyRun:
+    """A study that was run and judged: its findings, how many runs were solved for it and how many were at hand."""
+
+    study: str
+    findings: tuple[Finding, ...]
+    solved: int
+    reused: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that one invocation does.
+
+    Parameters
+    ----------
+    results : Results
+    baseline : Baseline
+    tier : str
+        "quick" or "full".
+    jobs : int
+        Worker processes; 0 evaluates in this process.
+    timeout : float
+        Limit for one run [s].
+    reuse : bool
+        Whether finished runs are read back.
+    scheduler : str
+        Address of a dask.distributed scheduler, or "".
+    """
+
+    results: Results
+    baseline: Baseline
+    tier: str = "quick"
+    jobs: int = 1
+    timeout: float = 600.0
+    reuse: bool = True
+    scheduler: str = ""
+
+
+def tasks_of(study: Study, plan: Plan) -> list[Task]:
+    """All runs of a study."""
+    table: list[Task] = []
+    for case, series in study.series():
+        levels = series.refinement.tier(plan.tier)
+        fitting = [k for k, level in enumerate(levels) if _points(case.problem.problem, level) <= SHOWN_POINTS]
+        shown = max(fitting, default=0)
+        for k, level in enumerate(levels):
+            task = Task(
+                results=plan.results.path,
+                study=study.name,
+                index=len(table),
+                case=case.name,
+                refinement=series.refinement.label,
+                problem=case.problem,
+                solver=series.solver,
+                discretisation=level,
+                criteria=series.criteria,
+                key=run_key(case.problem, series.solver, level),
+                shown=k == shown,
+                reuse=plan.reuse,
+            )
+            table.append(task)
+    return table
+
+
+def run(
+    studies: Sequence[Study], plan: Plan, progress: Callable[[str, int, int], None] = lambda *_: None
+) -> Iterator[StudyRun]:
+    """Run and judge studies, each as soon as its last run is in; its file is written then.
+
+    Parameters
+    ----------
+    studies : sequence of Study
+    plan : Plan
+    progress : callable
+        Called with (study, runs done, runs in all) after every run.
+
+    Raises
+    ------
+    UsageError, ResultsError
+        On misuse, or when a file of the results folder is damaged or cannot be written.
+    """
+    plan.results.create()
+    stored = read_verdicts(plan.results)
+    work: dict[str, list[Task]] = {}
+    for study in studies:
+        tasks = tasks_of(study, plan)
+        inputs = _inputs(study, plan, tasks)
+        entry = stored.get(study.name, StoredVerdicts((), "", ()))
+        path = plan.results.study(study.name)
+        # Looked at in any case: a foreign file is named before anything is solved.
+        up_to_date = path.exists() and entry.made_from(inputs, path)
+        if plan.reuse and up_to_date:
+            yield StudyRun(study.name, entry.findings, 0, len(tasks))
+        else:
+            work[study.name] = tasks
+    by_name = {study.name: study for study in studies}
+    done: dict[str, dict[int, Evaluated]] = {name: {} for name in work}
+    for task, evaluated in _evaluate([task for tasks in work.values() for task in tasks], plan):
+        finished, tasks = done[task.study], work[task.study]
+        finished[task.index] = evaluated
+        progress(task.study, len(finished), len(tasks))
+        if len(finished) == len(tasks):
+            yield _judged(by_name[task.study], plan, tasks, [finished[k] for k in range(len(tasks))])
+
+
+def _evaluate(tasks: list[Task], plan: Plan) -> Iterator[tuple[Task, Evaluated]]:
+    at_hand = {id(task) for task in tasks if task.reuse and plan.results.run(task.key).exists()}
+    cost = {id(task): 0.0 if id(task) in at_hand else _cost(task) for task in tasks}
+    total: dict[str, float] = {}
+    for task in tasks:
+        total[task.study] = total.get(task.study, 0.0) + cost[id(task)]
+    # Study by study, so that one is judged while the next is solved; the longest first, so that none is left alone at the end.
+    ordered = sorted(tasks, key=lambda task: (total[task.study], task.study, cost[id(task)]), reverse=True)
+    if plan.scheduler:
+        yield from Distributed(plan.scheduler).evaluate(ordered)
+    elif plan.jobs == 0 or (len(at_hand) == len(tasks) and len(tasks) <= 50):
+        yield from processes.inline(tasks)
+    else:
+        yield from processes.over_processes(ordered, plan.jobs, plan.timeout)
+
+
+def _cost(task: Task) -> float:
+    problem, level = task.problem.problem, task.discretisation
+    return level.time_steps(problem)[0] * _points(problem, level)
+
+
+def _points(problem: Problem, level: Discretisation) -> int:
+    """Cells times particles per cell."""
+    return math.prod(level.cells(problem)) * level.ppc**problem.dimension
+
+
+def _inputs(study: Study, plan: Plan, tasks: Sequence[Task]) -> str:
+    """Digest of everything that a study's file depends on, the code that judges and stores it included."""
+    keys = [task.key for task in tasks]
+    return digest(study, plan.tier, keys, file_digest(plan.baseline.path), code=JUDGING)
+
+
+def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated]) -> StudyRun:
+    """Judge a study whose runs are all in, and store it."""
+    from mpmverify.dataset.study import write_study
+
+    levels = [entry.level for entry in evaluated]
+    evidence = {series: evidence_of(some) for series, some in by_series(levels).items()}
+    judged = judge(study.name, study.criteria(), evidence, plan.baseline, study.restricted_to)
+    # A run that left no file is tried again next time: its study is never up to date.
+    complete = all(plan.results.run(task.key).exists() for task in tasks)
+    inputs = _inputs(study, plan, tasks) if complete else ""
+    snapshots = {entry.level.series: entry.snapshots for entry in evaluated if entry.snapshots}
+    write_study(plan.results.study(study.name), study, levels, snapshots, judged, tier=plan.tier, inputs=inputs)
+    write_verdicts(plan.results, study.name, inputs, judged.findings)
+    solved = sum(entry.solved for entry in evaluated)
+    return StudyRun(study.name, judged.findings, solved, len(evaluated) - solved)

@@ -1,0 +1,119 @@
+"""From evidence to findings: the one place where a study is judged."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from mpmverify.convergence import Convergence
+from mpmverify.convergence.sources import Separation
+from mpmverify.criteria import Separated
+from mpmverify.criteria.criterion import Criterion, has_baseline
+from mpmverify.criteria.evidence import Evidence, SeriesId
+from mpmverify.criteria.norms import NORMS
+from mpmverify.errors import ResultsError
+from mpmverify.judgement import baseline as regression
+from mpmverify.judgement.findings import Finding, judge_criterion
+
+Fits = Mapping[tuple[str, str], Convergence]
+"""Analysis of each relative error of a series by (quantity, norm)."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A judged study.
+
+    Parameters
+    ----------
+    evidence : mapping of SeriesId to Evidence
+        What was judged.
+    by_series : mapping of SeriesId to tuple of Finding
+        Findings of each series, solver by solver.
+    lacking : Finding or None
+        Finding on the series that the baseline holds and the results lack; None where nothing is lacking.
+    fits : mapping of SeriesId to Fits
+        Empty for a design, which has no single order.
+    separations : mapping of SeriesId to tuple of (Separated, Separation)
+        Sources of error that a criterion separates.
+    """
+
+    evidence: Mapping[SeriesId, Evidence]
+    by_series: Mapping[SeriesId, tuple[Finding, ...]]
+    lacking: Finding | None
+    fits: Mapping[SeriesId, Fits]
+    separations: Mapping[SeriesId, tuple[tuple[Separated, Separation], ...]]
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """All findings, the one on what is lacking last."""
+        listed = [finding for findings in self.by_series.values() for finding in findings]
+        return (*listed, *([self.lacking] if self.lacking else []))
+
+
+def judge(
+    study: str,
+    declared: Mapping[SeriesId, Sequence[Criterion]],
+    evidence: Mapping[SeriesId, Evidence],
+    baseline: regression.Baseline | None = None,
+    restricted_to: str = "",
+) -> Judged:
+    """Judge a study: verification by its criteria, regression by the baseline.
+
+    Parameters
+    ----------
+    study : str
+    declared : mapping of SeriesId to sequence of Criterion
+        Criteria of each series.
+    evidence : mapping of SeriesId to Evidence
+    baseline : Baseline, optional
+        Without one there is no regression gate.
+    restricted_to : str
+        What the run was restricted to, "" where it was not.
+
+    Raises
+    ------
+    ResultsError
+        If a criterion is declared of a series without evidence: it would hold of nothing, unseen.
+    """
+    for series in declared.keys() - evidence.keys():
+        for criterion in declared[series]:
+            where = f"{study}/{series.case}/{series.solver} ({series.refinement})"
+            raise ResultsError(f"{criterion.title!r} is to hold of {where}, which is not there: run it again")
+    solvers = list(dict.fromkeys(series.solver for series in evidence))
+    ordered = sorted(evidence, key=lambda series: solvers.index(series.solver))
+    return Judged(
+        evidence=evidence,
+        by_series={
+            series: _findings(study, series, declared.get(series, ()), evidence[series], baseline) for series in ordered
+        },
+        lacking=baseline.lacking(study, ordered, restricted_to) if baseline else None,
+        fits={series: _fits(evidence[series]) for series in ordered},
+        separations={series: _separations(declared.get(series, ()), evidence[series]) for series in ordered},
+    )
+
+
+def _findings(
+    study: str, series: SeriesId, criteria: Sequence[Criterion], seen: Evidence, baseline: regression.Baseline | None
+) -> tuple[Finding, ...]:
+    case, solver, refinement = series
+    judgements = [
+        ("verification", criterion.title, judge_criterion(criterion, seen), criterion.source) for criterion in criteria
+    ]
+    if baseline and has_baseline(criteria):
+        judgement = baseline.judge(study, solver, case, refinement, seen)
+        judgements.append(("regression", regression.TITLE, judgement, baseline.source))
+    return tuple(
+        Finding(study, case, solver, refinement, gate, title, verdict, reason, source)
+        for gate, title, (verdict, reason), source in judgements
+    )
+
+
+def _fits(seen: Evidence) -> Fits:
+    found = {(quantity, norm): seen.convergence(quantity, norm) for quantity in seen.error for norm in NORMS}
+    return {measure: series for measure, series in found.items() if series}
+
+
+def _separations(criteria: Sequence[Criterion], seen: Evidence) -> tuple[tuple[Separated, Separation], ...]:
+    return tuple(
+        (criterion, criterion.separation(seen))
+        for criterion in criteria
+        if isinstance(criterion, Separated) and criterion.quantity in seen.error
+    )

@@ -1,0 +1,55 @@
+"""What a solver may see: the initial-boundary-value problem and its discretisation.
+
+Here belong problems, materials, shapes, boundary conditions, quantities with their units, and discretisations. Exact solutions,
+norms, results and solvers do not: a solver imports this room, and never sees its answer.
+"""
+
+from mpmverify.problem.boundary import (
+    Absorbing,
+    BoundaryCondition,
+    Constant,
+    Fixed,
+    History,
+    Inflow,
+    Outflow,
+    Periodic,
+    Traction,
+    Velocity,
+)
+from mpmverify.problem.discretisation import Discretisation, output_steps
+from mpmverify.problem.material import LinearElastic, Material, NeoHookean, Transport
+from mpmverify.problem.problem import BodyForce, Field, Problem, Spatial, require
+from mpmverify.problem.quantities import UNITS, Array, components
+from mpmverify.problem.shapes import Block, Bodies, Disk, Ring, Shape
+
+__all__ = [
+    "UNITS",
+    "Absorbing",
+    "Array",
+    "Block",
+    "Bodies",
+    "BodyForce",
+    "BoundaryCondition",
+    "Constant",
+    "Discretisation",
+    "Disk",
+    "Field",
+    "Fixed",
+    "History",
+    "Inflow",
+    "LinearElastic",
+    "Material",
+    "NeoHookean",
+    "Outflow",
+    "Periodic",
+    "Problem",
+    "Ring",
+    "Shape",
+    "Spatial",
+    "Traction",
+    "Transport",
+    "Velocity",
+    "components",
+    "output_steps",
+    "require",
+]
