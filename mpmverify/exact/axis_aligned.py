@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.exact.motion import ForceOf, deformed, fields_of, pushed
+from mpmverify.exact.motion import FieldOf, deformed, fields_of, pushed
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Constant, NeoHookean, Problem, Velocity
 
@@ -123,7 +123,7 @@ def axis_aligned(
             boundary={axis + side: roller for axis in "xyz"[:dimension] for side in "-+"},
             end_time=periods * 2 * math.pi / motion.frequency,
             initial=pushed(motion) if dimension == 2 else {**pushed(motion), **deformed(motion)},
-            body_force=ForceOf(motion),
+            body_force=FieldOf(motion, "force"),
             outputs=outputs,
         ),
         exact=ExactSolution(fields=fields_of(motion), citation=CITATION),

@@ -63,54 +63,28 @@ def cauchy_stress(law: NeoHookean, gradient: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class DisplacementOf:
-    """Displacement of a motion, (T, P, dim) [m]."""
+class FieldOf:
+    """A field of a motion: reference positions (P, dim) [m], times (T,) [s] -> values (T, P, components).
+
+    Parameters
+    ----------
+    motion : Motion
+    quantity : str
+        "displacement" [m], "velocity" [m/s], "stress" [Pa], the Cauchy stress at the material point, "displacement_gradient" [1],
+        row by row, or "force" [m/s^2], the body force that makes the motion exact.
+    """
 
     motion: Motion
+    quantity: str
 
     def __call__(self, X: Array, t: Array) -> Array:
-        return self.motion.displacement(X, t)
-
-
-@dataclass(frozen=True)
-class VelocityOf:
-    """Velocity of a motion, (T, P, dim) [m/s]."""
-
-    motion: Motion
-
-    def __call__(self, X: Array, t: Array) -> Array:
-        return self.motion.velocity(X, t)
-
-
-@dataclass(frozen=True)
-class StressOf:
-    """Cauchy stress of a motion at its material points, (T, P, components) [Pa]."""
-
-    motion: Motion
-
-    def __call__(self, X: Array, t: Array) -> Array:
-        return cauchy_stress(self.motion.material, self.motion.gradient(X, t))
-
-
-@dataclass(frozen=True)
-class GradientOf:
-    """Displacement gradient of a motion, row by row, (T, P, dim * dim) [1]."""
-
-    motion: Motion
-
-    def __call__(self, X: Array, t: Array) -> Array:
-        gradient = self.motion.gradient(X, t)
-        return gradient.reshape(*gradient.shape[:2], -1)
-
-
-@dataclass(frozen=True)
-class ForceOf:
-    """Body force that makes a motion exact, (T, P, dim) [m/s^2]."""
-
-    motion: Motion
-
-    def __call__(self, X: Array, t: Array) -> Array:
-        return self.motion.force(X, t)
+        if self.quantity == "stress":
+            return cauchy_stress(self.motion.material, self.motion.gradient(X, t))
+        if self.quantity == "displacement_gradient":
+            gradient = self.motion.gradient(X, t)
+            return gradient.reshape(*gradient.shape[:2], -1)
+        values: Array = getattr(self.motion, self.quantity)(X, t)
+        return values
 
 
 @dataclass(frozen=True)
@@ -125,17 +99,12 @@ class AtStart:
 
 def fields_of(motion: Motion) -> Mapping[str, ExactField]:
     """All fields of a motion, by quantity."""
-    return {
-        "displacement": DisplacementOf(motion),
-        "velocity": VelocityOf(motion),
-        "stress": StressOf(motion),
-        "displacement_gradient": GradientOf(motion),
-    }
+    return {quantity: FieldOf(motion, quantity) for quantity in ("displacement", "velocity", "stress", "displacement_gradient")}
 
 
 def pushed(motion: Motion) -> Mapping[str, Field]:
     """Initial fields of a motion that starts undeformed."""
-    return {"velocity": AtStart(VelocityOf(motion))}
+    return {"velocity": AtStart(FieldOf(motion, "velocity"))}
 
 
 def deformed(motion: Motion) -> Mapping[str, Field]:

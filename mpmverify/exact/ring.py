@@ -7,7 +7,7 @@ import numpy as np
 
 from mpmverify.errors import UsageError
 from mpmverify.exact.axis_aligned import CITATION
-from mpmverify.exact.motion import ForceOf, fields_of, pushed
+from mpmverify.exact.motion import FieldOf, Motion, fields_of, pushed
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Constant, NeoHookean, Problem, Ring, Traction
 
@@ -80,6 +80,23 @@ def radial(X: Array) -> tuple[Array, Array]:
     return R, X / np.where(R > 0, R, 1.0)
 
 
+def free_ring(name: str, motion: Motion, ring: Ring, half: float, *, end_time: float, outputs: int) -> Problem:
+    """Ring without traction on its surfaces that starts undeformed, in the box [-half, half] x [-half, half] [m]."""
+    free = Traction(Constant(0.0))
+    return Problem(
+        name=name,
+        lower=(-half, -half),
+        upper=(half, half),
+        material=motion.material,
+        boundary={"x-": free, "x+": free, "y-": free, "y+": free},
+        end_time=end_time,
+        initial=pushed(motion),
+        body_force=FieldOf(motion, "force"),
+        outputs=outputs,
+        shape=ring,
+    )
+
+
 def expanding_ring(
     amplitude: float = 0.1,
     *,
@@ -119,19 +136,9 @@ def expanding_ring(
     if not 0 < abs(amplitude) < LARGEST:
         raise UsageError(f"the amplitude of the expanding ring must be below {LARGEST:.3g} m and not zero, not {amplitude!r}")
     motion = RadialMotion(amplitude, NeoHookean(youngs_modulus, density))
-    free = Traction(Constant(0.0))
     return VerificationProblem(
-        problem=Problem(
-            name=f"expanding-ring-{amplitude:g}",
-            lower=(-1.0, -1.0),
-            upper=(1.0, 1.0),
-            material=motion.material,
-            boundary={"x-": free, "x+": free, "y-": free, "y+": free},
-            end_time=end_time,
-            initial=pushed(motion),
-            body_force=ForceOf(motion),
-            outputs=outputs,
-            shape=Ring((0.0, 0.0), INNER, OUTER),
+        problem=free_ring(
+            f"expanding-ring-{amplitude:g}", motion, Ring((0.0, 0.0), INNER, OUTER), 1.0, end_time=end_time, outputs=outputs
         ),
         exact=ExactSolution(fields=fields_of(motion), citation=CITATION),
         exposes="Errors at free surfaces across the cells of the grid, and gaps that open between particles.",

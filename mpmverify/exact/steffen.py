@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.exact.motion import ForceOf, deformed, fields_of
+from mpmverify.exact.motion import FieldOf, deformed, fields_of
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Constant, NeoHookean, Problem, Velocity
 
@@ -98,7 +98,7 @@ def steffen(
             boundary={"x-": fixed, "x+": fixed},
             end_time=periods * 2 * math.pi / motion.frequency,
             initial=deformed(motion),
-            body_force=ForceOf(motion),
+            body_force=FieldOf(motion, "force"),
             outputs=outputs,
         ),
         exact=ExactSolution(fields=fields_of(motion), citation=CITATION),

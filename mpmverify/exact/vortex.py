@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.exact.motion import ForceOf, fields_of, pushed
-from mpmverify.exact.ring import radial
+from mpmverify.exact.motion import fields_of
+from mpmverify.exact.ring import free_ring, radial
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
-from mpmverify.problem import Array, Constant, NeoHookean, Problem, Ring, Traction
+from mpmverify.problem import Array, NeoHookean, Ring
 
 CITATION = (
     "Brannon R., Kamojjala K., Sadeghirad A. (2011). Establishing credibility of particle methods through verification testing. "
@@ -126,19 +126,9 @@ def generalised_vortex(
     if not (math.isfinite(amplitude) and amplitude):
         raise UsageError(f"the amplitude of the vortex must be finite and not zero, not {amplitude!r}")
     motion = Swirl(amplitude, NeoHookean(youngs_modulus, density, poissons_ratio))
-    free = Traction(Constant(0.0))
     return VerificationProblem(
-        problem=Problem(
-            name=f"generalised-vortex-{amplitude:g}",
-            lower=(-1.5, -1.5),
-            upper=(1.5, 1.5),
-            material=motion.material,
-            boundary={"x-": free, "x+": free, "y-": free, "y+": free},
-            end_time=end_time,
-            initial=pushed(motion),
-            body_force=ForceOf(motion),
-            outputs=outputs,
-            shape=Ring((0.0, 0.0), INNER, OUTER),
+        problem=free_ring(
+            f"generalised-vortex-{amplitude:g}", motion, Ring((0.0, 0.0), INNER, OUTER), 1.5, end_time=end_time, outputs=outputs
         ),
         exact=ExactSolution(fields=fields_of(motion), citation=CITATION),
         exposes="Errors of shear and of large rotation, and a stress that is not objective.",
