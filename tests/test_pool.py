@@ -103,7 +103,8 @@ def test_a_result_that_came_in_while_the_caller_was_busy_is_no_time_out(tmp_path
 def test_a_script_that_its_workers_cannot_import_is_told_so_once(tmp_path, script):
     text = (
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
-        "from pathlib import Path\nfrom faulty_solvers import plan, study\nfrom mpmverify.execution import processes as pool\nfrom mpmverify.execution.runner import tasks_of\n"
+        "from pathlib import Path\nfrom faulty_solvers import plan, study\nfrom mpmverify.execution import processes as pool\n"
+        "from mpmverify.execution.runner import tasks_of\n"
         f"list(pool.over_processes(tasks_of(study(), plan(Path({str(tmp_path)!r}))), 1, 60.0))\n"
     )
     command = [sys.executable, "-"]
