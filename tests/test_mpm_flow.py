@@ -9,45 +9,56 @@ from numba import njit
 from numba.core.errors import TypingError
 
 from mpmverify.selftest.trip import trip
-from mpmverify.solvers.mpm.flow import Kept, as_long_as, each, either, one_of, walk, when
-from mpmverify.solvers.mpm.lanes import built as lanes
-from mpmverify.solvers.mpm.lanes import total
-from mpmverify.solvers.mpm.outline import in_threads, once
-from mpmverify.solvers.mpm.tracing import traced
-from mpmverify.solvers.mpm.values import equal, opposite, where
+from mpmverify.solvers.tracing import (
+    Variable,
+    cond,
+    equal,
+    for_range,
+    for_strides,
+    logical_not,
+    outlined,
+    pack,
+    parallel_for,
+    reduce_sum,
+    switch,
+    traced,
+    when,
+    where,
+    while_loop,
+)
 
 whole_numbers = st.integers(-20, 20)
 
 
 @traced
 def collatz(n):
-    steps, at = Kept(0, n), Kept(n)
-    with as_long_as(n.builder, lambda: at.value > 1):
-        at.value = either(equal(at.value % 2, 0), lambda: at.value // 2, lambda: 3 * at.value + 1)
+    steps, at = Variable(0, n), Variable(n)
+    with while_loop(lambda: at.value > 1, like=n):
+        at.value = cond(equal(at.value % 2, 0), lambda: at.value // 2, lambda: 3 * at.value + 1)
         steps.value += 1
     return steps.value
 
 
 @traced
 def strides(begin, end, length, visited):
-    with walk(begin, end) as (p, go_on):
+    with for_strides(begin, end) as (p, advance):
         visited[p] = visited[p] + 1
-        with when(opposite(p < length)):
+        with when(logical_not(p < length)):
             visited[p] = -1
-        go_on(length)
+        advance(length)
 
 
 @traced
 def of_numbers_of_python(x):
-    total = Kept(0.0, x[0])
-    with each(0, 3, like=x) as i, each(0, 2, like=x) as _:
+    total = Variable(0.0, x[0])
+    with for_range(0, 3, like=x) as i, for_range(0, 2, like=x) as _:
         total.value += x[i]
     return total.value
 
 
 @traced
 def merged(x, n):
-    return either(x > 0, lambda: (x * 2, (n + 1, True), 1), (1.5, (7, x < -1), 2.5))
+    return cond(x > 0, lambda: (x * 2, (n + 1, True), 1), (1.5, (7, x < -1), 2.5))
 
 
 def test_a_loop_goes_on_as_long_as_it_should():
@@ -79,7 +90,7 @@ def test_one_of_two_ways_is_taken(x, n):
 
 @traced
 def numbered(n, x):
-    return one_of(n, {1: lambda: (x, n), 4: lambda: (2 * x, n + 1), 0: (0.5, 7)}, lambda: (-x, -n))
+    return switch(n, {1: lambda: (x, n), 4: lambda: (2 * x, n + 1), 0: (0.5, 7)}, lambda: (-x, -n))
 
 
 @given(st.integers(-2, 6), st.floats(-5, 5))
@@ -93,7 +104,7 @@ compiled_numbered = njit(lambda n, x: numbered(n, x))
 
 @traced
 def of_two_kinds(x, n):
-    return either(x > 0, x, n), either(n > 0, lambda: total(lanes((x, x, 1.0, 2.0)) + either(n > 1, x, lanes((x, 1, 2, 3)))), 0)
+    return cond(x > 0, x, n), cond(n > 0, lambda: reduce_sum(pack((x, x, 1.0, 2.0)) + cond(n > 1, x, pack((x, 1, 2, 3)))), 0)
 
 
 @pytest.mark.parametrize(("x", "n", "expected"), [(1.5, 2, (1.5, 12.0)), (-1.5, 1, (1.0, 4.5)), (-1.5, 0, (0.0, 0.0))])
@@ -105,7 +116,7 @@ def test_ways_lead_to_what_can_hold_either(x, n, expected):
 
 @traced
 def truth_or_number(x):
-    return either(x > 0, x > 1, x)
+    return cond(x > 0, x > 1, x)
 
 
 @traced
@@ -118,26 +129,26 @@ def out_of_its_branch(x, y):
 
 @traced
 def from_outside(x, y):
-    with in_threads(where(x > 0, 1, 2), (y,)) as (k, (there,)):
+    with parallel_for(where(x > 0, 1, 2), (y,)) as (k, (there,)):
         there[k] = x
 
 
 @traced
 def by_a_truth_from_outside(x, y):
     outside = x > 1
-    with in_threads(where(x > 0, 1, 2), (y,)) as (k, (there,)), when((k < 2) & outside):
+    with parallel_for(where(x > 0, 1, 2), (y,)) as (k, (there,)), when((k < 2) & outside):
         there[k] = 1.0
 
 
 @traced
 def into_what_is_not_shared(x, y):
-    with in_threads(where(x > 0, 1, 2), ()) as (_, _):
+    with parallel_for(where(x > 0, 1, 2), ()) as (_, _):
         y[0] = 1.0
 
 
 def test_what_is_not_there_is_refused():
     """Neither a value of another kind, nor one of a branch that was not taken, nor one of another function is ever computed with."""
-    with pytest.raises((TypingError, TypeError), match="i1 is no double"):
+    with pytest.raises((TypingError, TypeError), match="type i1 cannot become one of type double"):
         njit(lambda x: truth_or_number(x))(1.0)
     with pytest.raises(RuntimeError, match="does not dominate"):
         njit(lambda x, y: out_of_its_branch(x, y))(1.0, np.ones(1))
@@ -145,14 +156,14 @@ def test_what_is_not_there_is_refused():
         njit(lambda x, y: from_outside(x, y))(1.0, np.ones(2))
     with pytest.raises((TypingError, TypeError), match="another function"):
         njit(lambda x, y: by_a_truth_from_outside(x, y))(1.0, np.ones(2))
-    with pytest.raises((TypingError, TypeError), match="did not share"):
+    with pytest.raises((TypingError, TypeError), match="not shared with it"):
         njit(lambda x, y: into_what_is_not_shared(x, y))(1.0, np.ones(2))
 
 
 calls = []
 
 
-@once
+@outlined
 def counted(x, pair, array) -> int:
     calls.append(1)
     array[0] += x * pair[0]
@@ -182,7 +193,7 @@ def test_what_is_written_once_takes_no_number_of_python():
 
 
 def _of_the_same_name():
-    @once
+    @outlined
     def counted(x, pair, array) -> int:
         array[0] = -x
         return 2
@@ -206,7 +217,7 @@ def test_each_function_that_is_written_once_is_one_and_its_calls_are_alike():
     def unlike(x, n, array):
         return counted(x, (x, x), array), counted(n, (x, x), array)
 
-    with pytest.raises((TypingError, TypeError), match="other types"):
+    with pytest.raises((TypingError, TypeError), match="arguments of the same types"):
         unlike(1.0, 2, np.zeros(1))
 
 
@@ -216,7 +227,7 @@ def by_law(number, x):
         trip(locals())
         return 2 * x
 
-    return one_of(number, {1: lambda: x, 2: second}, 0.0)
+    return switch(number, {1: lambda: x, 2: second}, 0.0)
 
 
 @traced
@@ -240,7 +251,7 @@ def test_a_trip_without_any_array_is_one_at_once():
 
 @traced
 def in_rounds(count, A, scale, truth):
-    with in_threads(count, (A, (scale, truth))) as (k, (array, (factor, more))), each(0, array.shape[1]) as c:
+    with parallel_for(count, (A, (scale, truth))) as (k, (array, (factor, more))), for_range(0, array.shape[1]) as c:
         array[k, c] += factor * k + where(more, 1.0, 0.0)
 
 

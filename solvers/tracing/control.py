@@ -1,4 +1,8 @@
-"""The way that compiled code takes: what a traced function has for loops and branches on values."""
+"""Control flow at run time: what a traced function has for loops and branches on values.
+
+Loops and branches are context managers whose body emits the code inside. A body leaves nothing but what it stores: to an array, or to
+a `Variable`.
+"""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,82 +12,105 @@ from typing import Any
 from llvmlite import ir
 from numba.core import cgutils
 
-from .values import KINDS, WHOLE, Memory, Value, code_of, equal, rank
+from .arrays import Array
+from .selection import equal
+from .values import INTEGER, KINDS, Value, as_code, rank
 
 
 @contextmanager
-def each(begin: Any, end: Any, step: int = 1, like: Any = None) -> Iterator[Any]:
-    """A loop over begin <= i < end; what is within writes its body, and leaves nothing but what it stores.
+def for_range(begin: Any, end: Any, step: int = 1, like: Any = None) -> Iterator[Any]:
+    """Loop over begin <= i < end; yields i.
 
-    Where both are numbers of Python, `like` is a value or an array of the function that it is a loop of.
+    Parameters
+    ----------
+    begin, end : int or Value
+    step : int
+        Positive.
+    like : Value or Array, optional
+        Of the function that the loop is part of; needed where begin and end are numbers of Python.
     """
-    (builder, *_) = (x.builder for x in (begin, end, like) if isinstance(x, Value | Memory))
-    first, last, by = (code_of(builder, x, WHOLE) for x in (begin, end, step))
+    (builder, *_) = (x.builder for x in (begin, end, like) if isinstance(x, Value | Array))
+    first, last, by = (as_code(builder, x, INTEGER) for x in (begin, end, step))
     with cgutils.for_range_slice(builder, first, last, by) as (i, _):
         yield Value(builder, i)
 
 
 @contextmanager
-def as_long_as(builder: ir.IRBuilder, condition: Callable[[], Value]) -> Iterator[None]:
-    """A loop that goes on as long as what the function returns is true, which it writes code for."""
-    again, body, after = (builder.append_basic_block(name) for name in ("again", "body", "after"))
-    builder.branch(again)
-    builder.position_at_end(again)
+def while_loop(condition: Callable[[], Value], like: Any) -> Iterator[None]:
+    """Loop while a condition holds.
+
+    Parameters
+    ----------
+    condition : callable
+        Emits the code of the condition, which is evaluated before each round.
+    like : Value or Array
+        Of the function that the loop is part of.
+    """
+    builder = like.builder
+    check, body, after = (builder.append_basic_block(name) for name in ("check", "body", "after"))
+    builder.branch(check)
+    builder.position_at_end(check)
     builder.cbranch(condition().code, body, after)
     builder.position_at_end(body)
     yield
-    builder.branch(again)
+    builder.branch(check)
     builder.position_at_end(after)
 
 
 @contextmanager
-def walk(begin: Any, end: Any) -> Iterator[tuple[Any, Callable[[Any], None]]]:
-    """A loop over begin <= p < end whose body calls a function, last, that says by how much it goes on."""
-    place = Kept(begin)
-    with as_long_as(begin.builder, lambda: place.value < end):
-        p = place.value
+def for_strides(begin: Any, end: Any) -> Iterator[tuple[Any, Callable[[Any], None]]]:
+    """Loop over begin <= i < end by strides that the body chooses; yields i and `advance`, and the body ends with `advance(stride)`."""
+    place = Variable(begin)
+    with while_loop(lambda: place.value < end, begin):
+        i = place.value
 
-        def go_on(by: Any) -> None:
-            place.value = p + by
+        def advance(stride: Any) -> None:
+            place.value = i + stride
 
-        yield p, go_on
+        yield i, advance
 
 
 @contextmanager
-def when(truth: Any) -> Iterator[None]:
-    """What is within happens where something is true, and leaves nothing but what it stores."""
-    with truth.builder.if_then(truth.code):
+def when(condition: Any) -> Iterator[None]:
+    """Run the body if a condition holds."""
+    with condition.builder.if_then(condition.code):
         yield
 
 
-def either(truth: Any, then: Any, otherwise: Any) -> Any:
-    """The first where something is true, else the second: values or tuples of these, or functions that return such.
+def cond(condition: Any, then: Any, otherwise: Any) -> Any:
+    """Return the first of two results where a condition holds, else the second.
 
-    What one of two functions writes happens, where `where` has both computed. Of two numbers of Python one becomes as the other.
+    Parameters
+    ----------
+    condition : bool or Value
+        A single one, not one for each lane.
+    then, otherwise : callable, number, Value or tuple of these
+        Alike in structure; numbers are promoted to the higher of two kinds. A callable takes no arguments, and only the one that
+        is chosen runs, where `where` computes both.
     """
-    if not isinstance(truth, Value):
-        return _result(then if truth else otherwise)
-    builder, found = truth.builder, []
-    with builder.if_else(truth.code) as branches:
-        for branch, way in zip(branches, (then, otherwise), strict=True):
+    if not isinstance(condition, Value):
+        return _called(then if condition else otherwise)
+    builder, found = condition.builder, []
+    with builder.if_else(condition.code) as branches:
+        for branch, result in zip(branches, (then, otherwise), strict=True):
             with branch:
-                found.append((_result(way), builder.block))
+                found.append((_called(result), builder.block))
     return _merged(builder, *found)
 
 
-def one_of(number: Any, ways: dict[int, Any], otherwise: Any) -> Any:
-    """What one of some ways leads to, by its number, as `either` of many."""
-    for k, way in ways.items():
-        otherwise = partial(either, equal(number, k), way, otherwise)
-    return _result(otherwise)
+def switch(index: Any, branches: dict[int, Any], default: Any) -> Any:
+    """Return the result of the branch that an integer names, or the default; branches as those of `cond`."""
+    for k, branch in branches.items():
+        default = partial(cond, equal(index, k), branch, default)
+    return _called(default)
 
 
-def _result(way: Any) -> Any:
-    return way() if callable(way) else way
+def _called(result: Any) -> Any:
+    return result() if callable(result) else result
 
 
 def _merged(builder: ir.IRBuilder, a: tuple[Any, ir.Block], b: tuple[Any, ir.Block]) -> Any:
-    """One of two values, or tuples of these, by the block that code comes from."""
+    """One of two results, each given with the block that computes it."""
     (x, from_x), (y, from_y) = a, b
     if isinstance(x, tuple):
         return tuple(_merged(builder, (p, from_x), (q, from_y)) for p, q in zip(x, y, strict=True))
@@ -91,12 +118,20 @@ def _merged(builder: ir.IRBuilder, a: tuple[Any, ir.Block], b: tuple[Any, ir.Blo
     phi = builder.phi(kind)
     for value, block in ((x, from_x), (y, from_y)):
         with builder.goto_block(block):
-            phi.add_incoming(code_of(builder, value, kind), block)
+            phi.add_incoming(as_code(builder, value, kind), block)
     return Value(builder, phi)
 
 
-class Kept:
-    """A number that loops and branches may change: of the kind of its first value, or of that of a value `like` it."""
+class Variable:
+    """A number that loops and branches may change: read and assign `value`.
+
+    Parameters
+    ----------
+    first : float or Value
+        Its first value.
+    like : Value, optional
+        Of the kind that the variable keeps; needed where the first value is a number of Python.
+    """
 
     def __init__(self, first: Any, like: Any = None) -> None:
         kind = first if like is None else like
@@ -106,8 +141,8 @@ class Kept:
 
     @property
     def value(self) -> Any:
-        return Value(self.builder, self.builder.load(self.place))
+        return Value(self.builder, self.builder.load(self.place, typ=self.kind))
 
     @value.setter
     def value(self, x: Any) -> None:
-        self.builder.store(code_of(self.builder, x, self.kind), self.place)
+        self.builder.store(as_code(self.builder, x, self.kind), self.place)

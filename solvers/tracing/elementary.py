@@ -1,4 +1,4 @@
-"""Elementary functions of numbers and of values, those of lanes one by one."""
+"""Elementary functions of numbers and values: numba's own, called lane by lane for a vector."""
 
 import math
 from collections.abc import Callable
@@ -8,25 +8,25 @@ from numba.core import types
 from numba.core.registry import cpu_target
 from numba.core.typing.templates import signature
 
-from .lanes import built, taken
-from .tracing import traced
-from .values import DOUBLE, Value, code_of
+from .lanes import pack, unpack
+from .tracer import traced
+from .values import DOUBLE, Value, as_code
 
-# What is a number or lanes has no annotation.
+# Scalars or vectors have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
-def _compiled(function: Callable[..., float], *args: Any) -> Value:
-    """A function of Python's as numba compiles it."""
+def _call(function: Callable[..., float], *args: Any) -> Value:
+    """Call a function of Python's `math` as numba compiles it."""
     builder = next(x.builder for x in args if isinstance(x, Value))
     sig = signature(types.float64, *(types.float64 for _ in args))
-    write = cpu_target.target_context.get_function(function, sig)
-    return Value(builder, write(builder, [code_of(builder, x, DOUBLE) for x in args]))
+    emit = cpu_target.target_context.get_function(function, sig)
+    return Value(builder, emit(builder, [as_code(builder, x, DOUBLE) for x in args]))
 
 
 def _elementary(function: Callable[[float], float]) -> Callable[[Any], Any]:
     def of(x: Any) -> Any:
-        return built([_compiled(function, one) for one in taken(x)]) if isinstance(x, Value) else function(x)
+        return pack([_call(function, one) for one in unpack(x)]) if isinstance(x, Value) else function(x)
 
     return traced(of)
 
@@ -37,5 +37,5 @@ exp, expm1, log = map(_elementary, (math.exp, math.expm1, math.log))
 
 @traced
 def power(x, y):
-    """X to the power of the number y."""
-    return built([_compiled(math.pow, one, y) for one in taken(x)]) if isinstance(x, Value) else x**y
+    """Return x to the power of a number y."""
+    return pack([_call(math.pow, one, y) for one in unpack(x)]) if isinstance(x, Value) else x**y

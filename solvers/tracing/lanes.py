@@ -1,7 +1,6 @@
-"""Lanes: the doubles of one register, one for each of four particles.
+"""Functions of values: of a scalar, or of a vector lane by lane.
 
-What the passes compute with is a number for one particle, or lanes for four: traced functions take both. LLVM does not find this out by
-itself.
+A caller writes a function once and calls it with scalars or with vectors of `LANES` doubles. LLVM does not vectorise such code itself.
 """
 
 import math
@@ -11,129 +10,143 @@ from functools import reduce
 from llvmlite import ir
 from numba.core import cgutils
 
-from .tracing import traced
-from .values import COUNT, DOUBLE, TRUTH, VECTOR, WHOLE, Value, code_of, real, shuffled, splat, where
+from .selection import where
+from .tracer import traced
+from .values import BOOLEAN, DOUBLE, INTEGER, LANES, VECTOR, Value, as_code, as_double, broadcast, shuffle
 
-# What is a number or lanes has no annotation.
+# Scalars or vectors have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
-def built(items):
-    """Numbers of one particle or of four as a value."""
+@traced
+def pack(items):
+    """Pack `LANES` scalars into a vector; a single scalar stays one."""
     if len(items) == 1:
         return items[0]
     vector, builder = ir.Constant(VECTOR, ir.Undefined), next(item.builder for item in items if isinstance(item, Value))
     for k, item in enumerate(items):
-        vector = builder.insert_element(vector, code_of(builder, item, DOUBLE), cgutils.int32_t(k))
+        vector = builder.insert_element(vector, as_code(builder, item, DOUBLE), cgutils.int32_t(k))
     return Value(builder, vector)
 
 
-def taken(value, count=1):
-    """Numbers of the particles of a value; a number that all share is repeated."""
-    if not isinstance(value, Value) or value.code.type == DOUBLE:
+def unpack(value, count=1):
+    """Scalars of the lanes of a vector; a scalar `count` times."""
+    if not has_lanes(value):
         return [value] * count
-    return [Value(value.builder, value.builder.extract_element(value.code, cgutils.int32_t(k))) for k in range(COUNT)]
+    return [Value(value.builder, value.builder.extract_element(value.code, cgutils.int32_t(k))) for k in range(LANES)]
 
 
-lanes = traced(built)
+def has_lanes(value) -> bool:
+    """Whether a value is a vector."""
+    return isinstance(value, Value) and isinstance(value.code.type, ir.VectorType)
 
 
-def _of_llvm(name: str, value: Value) -> Value:
-    """A function of LLVM of a value."""
-    code, kind = value.builder, value.code.type
-    full = f"llvm.{name}.{'f64' if kind == DOUBLE else f'v{COUNT}f64'}"
-    return Value(
-        code, code.call(cgutils.get_or_insert_function(code.module, ir.FunctionType(kind, [kind]), full), [value.code])
-    )
+def _intrinsic(name: str, value: Value) -> Value:
+    """Call an intrinsic function of LLVM."""
+    builder, kind = value.builder, value.code.type
+    full = f"llvm.{name}.{'f64' if kind == DOUBLE else f'v{LANES}f64'}"
+    function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(kind, [kind]), full)
+    return Value(builder, builder.call(function, [value.code]))
 
 
 @traced
 def floor(value):
-    """The whole number below a value."""
-    return _of_llvm("floor", real(value)) if isinstance(value, Value) else float(math.floor(value))
+    """Largest integer not above a value, as a double."""
+    return _intrinsic("floor", as_double(value)) if isinstance(value, Value) else float(math.floor(value))
 
 
 @traced
-def root(value):
-    """Square root of a value."""
-    return _of_llvm("sqrt", value) if isinstance(value, Value) else math.sqrt(value)
+def sqrt(value):
+    """Square root."""
+    return _intrinsic("sqrt", value) if isinstance(value, Value) else math.sqrt(value)
 
 
 @traced
-def whole(value):
-    """The whole part of a number."""
-    return Value(value.builder, value.builder.fptosi(value.code, WHOLE)) if isinstance(value, Value) else int(value)
+def as_integer(value):
+    """Integer part of a double, as an integer."""
+    return Value(value.builder, value.builder.fptosi(value.code, INTEGER)) if isinstance(value, Value) else int(value)
 
 
 @traced
-def positive(value):
-    """Whether a value is positive for all particles, which NaN is not."""
-    above = value > 0.0
-    if not isinstance(above, Value) or above.code.type == TRUTH:
-        return above
-    bits = above.builder.bitcast(above.code, ir.IntType(COUNT))
-    return Value(above.builder, above.builder.icmp_unsigned("==", bits, ir.IntType(COUNT)(-1)))
-
-
-@traced
-def split(x):
-    """Fractions of a vector of lanes, the whole numbers below it in the first lane (d,), and in which lanes they are the same."""
-    under = [floor(value) for value in x]
-    firsts = tuple(taken(value)[0] for value in under)
-    shared = reduce(operator.and_, [same(value, first) for value, first in zip(under, firsts, strict=True)])
-    return tuple(value - floored for value, floored in zip(x, under, strict=True)), firsts, shared
-
-
-def same(a: Value, b: Value) -> Value:
-    """Where values are equal."""
-    return Value(a.builder, a.builder.fcmp_ordered("==", a.code, splat(a.builder, b.code)))
-
-
-def leading(truths: Value) -> Value:
-    """How many of the lanes, from the first on, are true."""
-    code = truths.builder
-    bits = code.zext(code.bitcast(code.not_(truths.code), ir.IntType(COUNT)), cgutils.int32_t)
-    count = code.cttz(code.or_(bits, cgutils.int32_t(1 << COUNT)), cgutils.false_bit)
-    return Value(code, code.zext(count, WHOLE))
-
-
-@traced
-def first_lanes(count):
-    """1 in so many lanes, the first, and 0 in the others."""
-    code = count.builder
-    numbers = splat(code, WHOLE(0)).type(list(range(COUNT)))
-    return where(Value(code, code.icmp_signed("<", numbers, splat(code, count.code))), 1.0, 0.0)
-
-
-@traced
-def repeated(vector, present):
-    """A vector of lanes, the first lane in the place of those where `present` is zero."""
-    there = present > 0.0
-    return tuple(
-        where(there, value, Value(value.builder, shuffled(value.builder, value.code, value.code, [0] * COUNT)))
-        for value in vector
-    )
-
-
-@traced
-def largest(a, b):
-    """The larger of two values; the second if one is not a number."""
+def maximum(a, b):
+    """The larger of two values; the second if either is NaN."""
     return where(a > b, a, b)
 
 
 @traced
-def least(a, b):
-    """The smaller of two values; the second if one is not a number."""
+def minimum(a, b):
+    """The smaller of two values; the second if either is NaN."""
     return where(a < b, a, b)
 
 
 @traced
-def size(value):
-    """How far a value is from zero."""
-    return largest(value, -value)
+def absolute(value):
+    """Absolute value."""
+    return maximum(value, -value)
 
 
 @traced
-def total(value):
-    """Sum over the particles."""
-    return reduce(operator.add, taken(value))
+def reduce_sum(value):
+    """Sum over the lanes, from the first on; a scalar stays as it is."""
+    return reduce(operator.add, unpack(value))
+
+
+def reduce_sums(values) -> Value:
+    """Sums over the lanes of at most `LANES` vectors, as a vector with one sum in each lane and zero in the rest."""
+    builder = values[0].builder
+    codes = [value.code for value in values] + [ir.Constant(VECTOR, [0.0] * LANES)] * (LANES - len(values))
+    # Pairs of vectors are added until each lane holds one sum.
+    for even, odd in ([0, 4, 2, 6], [1, 5, 3, 7]), ([0, 1, 4, 5], [2, 3, 6, 7]):
+        pairs = zip(codes[::2], codes[1::2], strict=True)
+        codes = [builder.fadd(shuffle(builder, a, b, even), shuffle(builder, a, b, odd)) for a, b in pairs]
+    return Value(builder, codes[0])
+
+
+@traced
+def all_positive(value):
+    """Whether a value is positive in all lanes; NaN is not."""
+    above = value > 0.0
+    if not isinstance(above, Value) or above.code.type == BOOLEAN:
+        return above
+    bits = above.builder.bitcast(above.code, ir.IntType(LANES))
+    return Value(above.builder, above.builder.icmp_unsigned("==", bits, ir.IntType(LANES)(-1)))
+
+
+@traced
+def split_floor(x):
+    """Fractions of vectors (d,), their floors in lane 0 (d,), and a mask of the lanes whose floors are all those of lane 0."""
+    floors = [floor(value) for value in x]
+    firsts = tuple(unpack(value)[0] for value in floors)
+    shared = reduce(operator.and_, [_equal_doubles(value, first) for value, first in zip(floors, firsts, strict=True)])
+    return tuple(value - below for value, below in zip(x, floors, strict=True)), firsts, shared
+
+
+def _equal_doubles(a: Value, b: Value) -> Value:
+    """Mask of the lanes of a that are equal to a scalar b."""
+    return Value(a.builder, a.builder.fcmp_ordered("==", a.code, broadcast(a.builder, b.code)))
+
+
+def count_leading(mask: Value) -> Value:
+    """Number of lanes, from lane 0 on, before the first in which a mask is false."""
+    builder = mask.builder
+    bits = builder.zext(builder.bitcast(builder.not_(mask.code), ir.IntType(LANES)), cgutils.int32_t)
+    count = builder.cttz(builder.or_(bits, cgutils.int32_t(1 << LANES)), cgutils.false_bit)
+    return Value(builder, builder.zext(count, INTEGER))
+
+
+@traced
+def leading_ones(count):
+    """Vector of 1 in the first `count` lanes and 0 in the others."""
+    builder = count.builder
+    numbers = broadcast(builder, INTEGER(0)).type(list(range(LANES)))
+    return where(Value(builder, builder.icmp_signed("<", numbers, broadcast(builder, count.code))), 1.0, 0.0)
+
+
+@traced
+def fill_from_first(vectors, present):
+    """Vectors whose lanes are replaced by their lane 0 where `present` is zero."""
+    there = present > 0.0
+    return tuple(
+        where(there, value, Value(value.builder, shuffle(value.builder, value.code, value.code, [0] * LANES)))
+        for value in vectors
+    )
