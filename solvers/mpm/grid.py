@@ -2,7 +2,7 @@
 
 import operator
 from collections.abc import Callable
-from functools import reduce, wraps
+from functools import reduce
 from typing import Any
 
 from mpmverify.problem import Array
@@ -24,7 +24,6 @@ def leapfrog(n: int, dt: float) -> tuple[float, float]:
 def _pass(at_node: Callable[..., None]) -> Any:
     """A pass over the nodes from `begin` to `end`, four at a time as far as they go; it sets the sums that it leaves to zero before."""
 
-    @wraps(at_node)
     def over_nodes(zero, nodes, strips, velocity, massless, kick, leap, sums, begin, end):
         with for_range(0, sums.shape[0]) as c:
             sums[c] = 0.0
@@ -34,6 +33,7 @@ def _pass(at_node: Callable[..., None]) -> Any:
         with for_range(last, end) as i:
             at_node(zero, nodes, velocity, massless, kick, leap, sums, i)
 
+    over_nodes.__name__, over_nodes.__doc__ = at_node.__name__, at_node.__doc__
     return traced(over_nodes)
 
 

@@ -66,22 +66,23 @@ def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
     """Passes by name, with those that together bring particles to the grid, and these again for bases that fit what they have."""
     passes = {one.__name__: one for one in of_particles + of_nodes}
 
-    def all_to_grid(scheme, grid, particles, nodes, strips, *step) -> int:
+    def all_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
         passes["clear"](grid.lower, nodes, strips, nodes.velocity, 0.0, 0.0, 0.0, strips.total[0], 0, nodes.inertia.shape[1])
         if len(grid.kind) == len(TLS):
             with for_range(0, nodes.cells.shape[0]) as c:
                 nodes.cells[c, POPULATION] = 0.0
-            passes["fit_cells"](scheme, grid, particles, nodes, strips, *step)
-            passes["spread_fits"](scheme, grid, particles, nodes, strips, *step)
-        return passes["particles_to_grid"](scheme, grid, particles, nodes, strips, *step)
+            passes["fit_cells"](scheme, grid, particles, nodes, strips, s, step)
+            passes["spread_fits"](scheme, grid, particles, nodes, strips, s, step)
+        return passes["particles_to_grid"](scheme, grid, particles, nodes, strips, s, step)
 
     twice = outlined(all_to_grid)
 
-    def to_grid(scheme, grid, *rest) -> int:
-        return twice(scheme, grid, *rest) if len(grid.kind) == len(TLS) else all_to_grid(scheme, grid, *rest)
+    def to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
+        once = twice if len(grid.kind) == len(TLS) else all_to_grid
+        return once(scheme, grid, particles, nodes, strips, s, step)
 
-    def fits_to_grid(scheme, grid, *rest) -> int:
-        return twice(scheme, grid, *rest) if len(grid.kind) == len(TLS) else PASSED
+    def fits_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
+        return twice(scheme, grid, particles, nodes, strips, s, step) if len(grid.kind) == len(TLS) else PASSED
 
     again = {"to_grid": traced(to_grid), "fits_to_grid": traced(fits_to_grid)}
     return passes | again | {"strain_particles": outlined(passes["strain_particles"])}

@@ -31,7 +31,7 @@ from .lanes import (
 from .outline import outlined
 from .rows import add_sums, load_row, load_rows, store_rows
 from .selection import equal, logical_not, where
-from .threads import parallel_for
+from .threads import parallel_for, start_threads
 from .tracer import traced
 from .values import LANES, Value, as_double
 
@@ -81,6 +81,7 @@ __all__ = [
     "reduce_sums",
     "split_floor",
     "sqrt",
+    "start_threads",
     "store_rows",
     "switch",
     "traced",

@@ -1,6 +1,6 @@
 """Functions of the compiled module beside the one that is traced: shared by several calls, or run by threads.
 
-Their arguments are stored in a structure on the stack, and loaded from it inside.
+Their arguments are stored on the stack in slots of eight bytes, and loaded from there inside.
 """
 
 import itertools
@@ -15,7 +15,7 @@ from numba.core import cgutils
 from .arrays import Array
 from .tracer import traced
 from .trees import builder_of, flatten, unflatten
-from .values import INTEGER, Value, as_code
+from .values import INTEGER, LANES, VECTOR, Value, as_code
 
 BYTES = ir.IntType(8).as_pointer()
 """An address of anything."""
@@ -26,18 +26,33 @@ NUMBERS = itertools.count()
 def stored(builder: ir.IRBuilder, tree: Any) -> ir.Value:
     """Store what a tree consists of on the stack, and return the address."""
     codes = flatten(tree)
-    data = cgutils.alloca_once(builder, ir.LiteralStructType([code.type for code in codes]))
-    for k, code in enumerate(codes):
-        builder.store(code, cgutils.gep_inbounds(builder, data, 0, k))
+    first, count = _slots(codes)
+    data = cgutils.alloca_once(builder, INTEGER, size=count)
+    for k, code in zip(first, codes, strict=True):
+        builder.store(code, _slot(builder, data, k, code.type), align=8)
     return builder.bitcast(data, BYTES)
 
 
 def reloaded(builder: ir.IRBuilder, address: ir.Value, tree: Any) -> Any:
     """Load a tree of the same structure from the address at which one was stored."""
-    kinds = [code.type for code in flatten(tree)]
-    data = builder.bitcast(address, ir.LiteralStructType(kinds).as_pointer())
-    codes = [builder.load(cgutils.gep_inbounds(builder, data, 0, k)) for k in range(len(kinds))]
-    return unflatten(tree, builder, iter(codes))
+    codes = flatten(tree)
+    first, _ = _slots(codes)
+    data = builder.bitcast(address, INTEGER.as_pointer())
+    found = [
+        builder.load(_slot(builder, data, k, code.type), align=8, typ=code.type) for k, code in zip(first, codes, strict=True)
+    ]
+    return unflatten(tree, builder, iter(found))
+
+
+def _slots(codes: list[ir.Value]) -> tuple[list[int], int]:
+    """Number of the first slot of each code, and of all slots: a vector takes one for each lane, anything else a single one."""
+    first = [0, *itertools.accumulate(LANES if code.type == VECTOR else 1 for code in codes)]
+    return first[:-1], first[-1]
+
+
+def _slot(builder: ir.IRBuilder, data: ir.Value, k: int, kind: ir.Type) -> ir.Value:
+    """Address of a slot for code of a type."""
+    return builder.bitcast(builder.gep(data, [INTEGER(k)], inbounds=True, source_etype=INTEGER), kind.as_pointer())
 
 
 @contextmanager

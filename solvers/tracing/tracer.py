@@ -5,14 +5,15 @@ known and emits no code; a loop over a tuple is unrolled. Numba sees a single in
 take a tenth of a second to compile.
 """
 
+import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.registry import cpu_target
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import lower_builtin
+from numba.core.typing import signature
+from numba.extending import lower_builtin, type_callable
 
 from .arrays import Array, widened
 from .values import KINDS, LANES_TYPE, Value, as_code, rank
@@ -78,8 +79,11 @@ def traced(function: F) -> F:
     Raises
     ------
     TypeError
-        When a call is compiled, if the function branches on a value or uses one as what it is not.
+        If the function takes any number of arguments; when a call is compiled, if the function branches on a value or uses one as what it is not.
     """
+    parameters = inspect.signature(function)
+    if any(one.kind is inspect.Parameter.VAR_POSITIONAL for one in parameters.parameters.values()):
+        raise TypeError(f"the traced function {function.__name__} takes any number of arguments: give it a fixed number")
     known: dict[tuple[types.Type, ...], types.Type] = {}
     annotated = ANNOTATED.get(function.__annotations__.get("return", ...))
 
@@ -97,14 +101,14 @@ def traced(function: F) -> F:
                 known[args] = type_of(function(*items))
         return known[args]
 
-    class Typed(AbstractTemplate):
-        key = function
-
-        def generic(self, args: tuple[types.Type, ...], kws: dict[str, types.Type]) -> Any:
+    @type_callable(function)
+    def _typer(_: Any) -> Callable[..., Any]:
+        def typed(*args: types.Type) -> Any:
             plain = tuple(types.unliteral(arg) for arg in args)
             return signature(result_type(plain), *plain)
 
-    infer_global(function, types.Function(Typed))
+        typed.__signature__ = parameters  # type: ignore[attr-defined]
+        return typed
 
     @lower_builtin(function, types.VarArg(types.Any))
     def _lowered(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
