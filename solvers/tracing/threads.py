@@ -79,7 +79,8 @@ def start_threads() -> bool:
     as_expected = _launched_as_expected()
     if not as_expected:
         warnings.warn(
-            f"loops run in one thread: numba {numba.__version__} launches threads in another way; install numba 0.61 to 0.68",
+            f"loops run in one thread: numba {numba.__version__} launches threads by another convention than expected; "
+            "install a version that mpmverify allows",
             RuntimeWarning,
             stacklevel=3,
         )
