@@ -1,4 +1,4 @@
-"""Traced functions: compiled, they are what they are to Python, and what they cannot be compiled to is refused."""
+"""Traced functions: compiled and in plain Python they return the same, and what cannot be compiled is refused."""
 
 from typing import NamedTuple
 
@@ -62,7 +62,7 @@ def compiled(x, y, n, pair, deep):
 
 
 @given(numbers, numbers, st.integers(0, 9), numbers, numbers)
-def test_compiled_a_function_is_what_it_is_to_python(x, y, n, a, b):
+def test_a_compiled_function_returns_what_python_does(x, y, n, a, b):
     arguments = x, y, n, Pair(a, b), (b, (a,))
     found, expected = compiled(*arguments), arithmetic(*arguments)
     assert found == expected
@@ -144,7 +144,7 @@ def summed(A, places, total, begin, end):
     sums(A, places, total, begin, end)
 
 
-def test_loops_over_arrays_do_what_they_say():
+def test_loops_over_arrays():
     A, places = np.random.default_rng(1).normal(size=(5, 8)), np.array([4, 0, 3], dtype=np.int32)
     found, expected = np.zeros(8), 2 * A[[0, 3]].sum(axis=0)
     summed(A, places, found, 1, 3)
@@ -197,7 +197,7 @@ def reading_beyond(x):
 
 
 @traced
-def adding_truths(x):
+def adding_booleans(x):
     return (x > 0) + (x > 1)
 
 
@@ -217,7 +217,7 @@ def read_only(x):
         (branching, 1.0),
         (comparing, 1.0),
         (smallest, 1.0),
-        (adding_truths, 1.0),
+        (adding_booleans, 1.0),
         (remainder, 1.5),
         (writing, np.zeros(4, dtype=np.int64)),
         (writing, read_only(np.zeros(4))),
@@ -228,10 +228,15 @@ def read_only(x):
         (reading_beyond, np.zeros((2, 2))),
     ],
 )
-def test_what_is_no_arithmetic_of_values_is_refused(function, argument):
+def test_branches_and_wrong_types_are_refused(function, argument):
     """None of them is compiled to one of its branches, or to bits of the wrong type."""
     with pytest.raises((TypingError, TypeError)):
         njit(lambda x: function(x))(argument)
+
+
+def test_a_traced_function_takes_a_fixed_number_of_arguments():
+    with pytest.raises(TypeError, match="any number of arguments"):
+        traced(lambda *some: some[0])
 
 
 @traced
