@@ -7,12 +7,10 @@ import numpy as np
 from numba import njit
 
 from mpmverify.solvers.mpm import basis, passes, stencil, transfer
-from mpmverify.solvers.mpm.compilation import ARITHMETIC
-from mpmverify.solvers.mpm.lanes import taken
 from mpmverify.solvers.mpm.order import strips
 from mpmverify.solvers.mpm.state import nodal
-from mpmverify.solvers.mpm.tracing import traced
 from mpmverify.solvers.mpm.vectors import columns, constant, scale
+from mpmverify.solvers.tracing import ARITHMETIC, traced, unpack
 
 
 def callable_from_python(function):
@@ -31,7 +29,7 @@ def entries(module):
 
 @traced
 def of_the_first(values):
-    return tuple(taken(value)[0] for value in values)
+    return tuple(unpack(value)[0] for value in values)
 
 
 @traced

@@ -1,6 +1,7 @@
 """Layout and direction of imports: what the design promises about the shape of the code, read from the code."""
 
 import ast
+import re
 import subprocess
 import sys
 import tomllib
@@ -260,6 +261,15 @@ def test_the_reference_shares_no_kernel_and_alone_imports_skfem():
         if module != "mpmverify.solvers":
             siblings = {name for name in imports(module) if name in MODULES and part(name) == "solvers"}
             assert all((name in fem) == (module in fem) for name in siblings), module
+
+
+def test_one_package_alone_imports_llvmlite_and_the_inside_of_numba():
+    """All tracked files of the mapped folders are asked, a reader of their text, which sees a late import, too."""
+    inside = re.compile(r"\b(llvmlite|numba\.core)\b|\bfrom\s+numba\s+import\b.*\bcore\b")
+    paths = [name for name in tracked() if name.endswith(".py") and name.partition("/")[0] in MAPPED.values()]
+    users = {name for name in paths if inside.search((ROOT / name).read_text(encoding="utf-8"))}
+    assert users
+    assert {name.rpartition("/")[0] for name in users} == {"solvers/tracing"}
 
 
 @pytest.mark.parametrize("module", of("reports"))

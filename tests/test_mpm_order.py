@@ -9,7 +9,7 @@ from mpmverify.solvers import mpm
 from mpmverify.solvers.mpm import MaterialPoint, stencil
 from mpmverify.solvers.mpm.order import strips
 from mpmverify.solvers.mpm.state import FAILED, PASSED, UNSORTED
-from mpmverify.solvers.mpm.tracing import traced
+from mpmverify.solvers.tracing import traced
 
 order = entries(mpm.order)
 CELLS, H = 40, 1 / 40

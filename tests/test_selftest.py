@@ -125,8 +125,8 @@ def test_code_of_the_ends_is_known_by_the_table_that_a_loop_reads(toy):
         encoding="utf-8",
     )
     (toy / "toy" / "traced.py").write_text(
-        "def hold(faces, begin, end):\n    with each(0, faces.held.shape[0]) as k:\n        print(k)\n"
-        "    with each(begin, end) as n:\n        print(n)\n",
+        "def hold(faces, begin, end):\n    with for_range(0, faces.held.shape[0]) as k:\n        print(k)\n"
+        "    with for_range(begin, end) as n:\n        print(n)\n",
         encoding="utf-8",
     )
     found = [
@@ -136,7 +136,7 @@ def test_code_of_the_ends_is_known_by_the_table_that_a_loop_reads(toy):
         "    pass",
         "    for k in range(min(1, faces.held.shape[0])):",
         "    pass",
-        "    with each(1, faces.held.shape[0]) as k:",
+        "    with for_range(1, faces.held.shape[0]) as k:",
     ]
 
 

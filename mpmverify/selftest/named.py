@@ -138,7 +138,7 @@ MATERIAL_POINT = (
         MPM,
         "position moved by the particle's velocity",
         (PASSES, MOVED, MOVED.replace("moved", "v")),
-        (PASSES, "at), gather(grid, nodes.velocity, at)", "at), rows(state, some.numbers, column.velocity, zero)"),
+        (PASSES, "at), gather(grid, nodes.velocity, at)", "at), load_rows(state, some.numbers, column.velocity, zero)"),
     ),
     _fault(
         MPM,

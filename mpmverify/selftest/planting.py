@@ -17,7 +17,7 @@ from mpmverify.study import Study
 
 @contextmanager
 def planted(fault: Fault, sources: Path, folder: Path) -> Iterator[str]:
-    """Copy a solver family into a folder, plant the fault, and give the name under which the copy imports.
+    """Copy the solvers into a folder, plant the fault, and give the name under which the copy imports.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def planted(fault: Fault, sources: Path, folder: Path) -> Iterator[str]:
     name = f"planted_{secrets.token_hex(8)}"
     package = folder / name
     skipped = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(sources / fault.family, package / fault.family, ignore=skipped)
+    shutil.copytree(sources, package, ignore=skipped)  # a family may be built on others of these packages
     (package / "__init__.py").touch()
     for file, text in fault.planted(sources).items():
         (package / file).write_text(text, encoding="utf-8")

@@ -20,6 +20,8 @@ from pathlib import Path
 from .faults import Fault
 from .syntax import Patch, Source, names
 
+COMPILERS: Mapping[str, tuple[str, ...]] = {"mpm": ("tracing",)}
+"""Packages beside a family that write its code: a fault of theirs is one of the family."""
 TIME_STEPS = {"dt", "leap", "kick"}
 END_WORDS = {"held", "loaded", "bounded", "side", "face", "end", "condition", "inwards"}
 """Words by which code of a boundary is known, in the test of a branch, as the variable of a loop or as the table that it reads."""
@@ -122,12 +124,12 @@ def stale_array(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def comparison(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """A comparison reversed, by `equal` and `opposite` in traced code, too."""
+    """A comparison reversed, by `equal` and `logical_not` in traced code, too."""
     if isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in SYMBOL:
         yield source.between(node.left, node.comparators[0], SYMBOL[type(node.ops[0])], REVERSED)
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "equal":
         yield source.replaced(node, f"where({source.text(node)}, False, True)")
-    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "opposite":
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "logical_not":
         yield source.replaced(node, source.wrapped(node.args[0]))
 
 
@@ -169,8 +171,8 @@ def boundary(source: Source, node: ast.AST) -> Iterator[Patch]:
             yield source.replaced(node.iter, f"range(min(1, {source.text(node.iter.args[0])}))")
     elif isinstance(node, ast.With) and _attributes(node.items[0].context_expr) & END_WORDS:
         yield source.replaced(node, "pass")
-        if isinstance(each := node.items[0].context_expr, ast.Call):
-            yield source.replaced(each.args[0], "1")
+        if isinstance(loop := node.items[0].context_expr, ast.Call):
+            yield source.replaced(loop.args[0], "1")
 
 
 RULES: Mapping[str, Rule] = {
@@ -217,9 +219,18 @@ def _resets(node: ast.Assign) -> bool:
 
 
 def faults(sources: Path, family: str, *, plain: bool = False) -> list[Fault]:
-    """All faults by rule of one family, each once, in the order of its files; `plain` when no trial has more than one dimension."""
+    """All faults by rule of one family and of its compiler, each once, in the order of the files.
+
+    Parameters
+    ----------
+    sources : Path
+        Folder of the solvers.
+    family : str
+    plain : bool
+        Whether no trial has more than one dimension.
+    """
     found: dict[str, Fault] = {}
-    paths = sorted((sources / family).glob("*.py"))
+    paths = [path for folder in (family, *COMPILERS.get(family, ())) for path in sorted((sources / folder).glob("*.py"))]
     for path in paths:
         source = Source(path, sources, paths, plain=plain)
         for node in source.numerical():

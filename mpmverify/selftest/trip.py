@@ -25,7 +25,7 @@ def trip(names: Mapping[str, object]) -> None:
             some = some & (length > 0)
         with array.builder.if_then(some.code):
             for end in (0, -1):
-                array.store(array.address(*[end] * len(array.shape)), 0, float("nan"))
+                array.pointer(*[end] * len(array.shape)).store(float("nan"))
 
 
 def _arrays(found: Any) -> Iterator[Any]:
@@ -33,5 +33,5 @@ def _arrays(found: Any) -> Iterator[Any]:
     if isinstance(found, list | tuple):
         for item in found:
             yield from _arrays(item)
-    elif hasattr(found, "store_together") and found.kind.mutable and str(found.kind.dtype) == "float64":
+    elif hasattr(found, "pointer") and found.kind.mutable and str(found.kind.dtype) == "float64":
         yield found

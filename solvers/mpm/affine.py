@@ -1,9 +1,9 @@
 """What a transfer keeps of the velocity's variation about a particle."""
 
-from .memory import add_field, gathered_by, rows
+from ..tracing import load_rows, traced
+from .nodes import add_field, gathered_by
 from .state import Grid, Nodes, Particles, Scheme, columns_of
 from .stencil import moments
-from .tracing import traced
 from .transfer import spread
 from .vectors import Vector, axial, axpy, by_columns, columns, constant, null, quotient, scale
 
@@ -21,7 +21,7 @@ def spread_momentum(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nod
         spread(grid, nodes.inertia, 1, at, scale(m, v))
     else:
         e, D = moments(grid, at[3], at[4], at[1])
-        kept = rows(particles.state, numbers, columns_of(grid.lower, particles.deformation).affine, null(grid.lower)[1])
+        kept = load_rows(particles.state, numbers, columns_of(grid.lower, particles.deformation).affine, null(grid.lower)[1])
         C = columns(kept, constant(m / grid.scale, D) if len(scheme.affine) == len(TPIC) else quotient(m * grid.scale, D))
         add_field(grid, nodes.inertia, 1, at[0], at[1], e, scale(m, v), C)
 
@@ -42,7 +42,7 @@ def spin_with(scheme: Scheme, grid: Grid, particles: Particles, numbers, at, spi
     """Angular momentum of particles per unit of their mass, with what they keep of it about themselves."""
     if len(scheme.affine) == len(NO_AFFINE):
         return spin
-    kept = rows(particles.state, numbers, columns_of(grid.lower, particles.deformation).affine, null(grid.lower)[1])
+    kept = load_rows(particles.state, numbers, columns_of(grid.lower, particles.deformation).affine, null(grid.lower)[1])
     if len(scheme.affine) == len(APIC):
         return axpy(1.0, spin, axial(kept))
     D = scale(1 / (grid.scale * grid.scale), moments(grid, at[3], at[4], at[1])[1])

@@ -10,9 +10,7 @@ from scipy.interpolate import BSpline
 
 from mpmverify.problem import Array
 
-from .lanes import largest
-from .memory import row
-from .tracing import traced
+from ..tracing import load_row, maximum, traced
 from .vectors import axpy, by_components, dot, less, scale
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -136,12 +134,12 @@ def along(grid, k, cell, xi):
     width = grid.width
     if len(width) == 2:
         return (1.0 - xi, xi), (-grid.scale, grid.scale)
-    c, piece = grid.polynomials, row(grid.piece, (k, cell), ONE)[0]
-    c0, c1, c2 = row(c, (piece, 0, 0), width), row(c, (piece, 1, 0), width), row(c, (piece, 2, 0), width)
+    c, piece = grid.polynomials, load_row(grid.piece, (k, cell), ONE)[0]
+    c0, c1, c2 = load_row(c, (piece, 0, 0), width), load_row(c, (piece, 1, 0), width), load_row(c, (piece, 2, 0), width)
     if len(width) == 3:
         inner = axpy(xi, c2, c1)
         return axpy(xi, inner, c0), scale(grid.scale, axpy(xi, c2, inner))
-    c3 = row(c, (piece, 3, 0), width)
+    c3 = load_row(c, (piece, 3, 0), width)
     highest = axpy(xi, c3, c2)
     inner = axpy(xi, highest, c1)
     return axpy(xi, inner, c0), scale(grid.scale, axpy(xi, axpy(xi, c3, highest), inner))
@@ -154,7 +152,7 @@ def integrated_along(grid, a, half):
     N = int hat dx/(2 half), and dN/dx is the difference of the hat at both ends, over 2 half.
     """
     b = a + 2 * half
-    beyond, rest, left = largest(b - 1, 0.0), largest(1 - b, 0.0), 1 - a
+    beyond, rest, left = maximum(b - 1, 0.0), maximum(1 - b, 0.0), 1 - a
     N0, N2, factor = 0.25 * (left * left - rest * rest) / half, 0.25 * beyond * beyond / half, 0.5 * grid.scale / half
     d0, d2 = factor * (rest - left), factor * beyond
     return (N0, 1 - N0 - N2, N2), (d0, -d0 - d2, d2)
@@ -163,6 +161,6 @@ def integrated_along(grid, a, half):
 @traced
 def moment_along(grid, k, first, place, N):
     """N (x_I - x) (W,) and D = sum_I N (x_I - x)^2 along axis k, in cells, at a place in cells from the lower end."""
-    from_here = less(row(grid.nodes, (k, first), N), place)
+    from_here = less(load_row(grid.nodes, (k, first), N), place)
     moment = by_components(N, from_here)
     return moment, dot(moment, from_here)

@@ -18,8 +18,7 @@ from mpmverify.problem.material import (
     SaintVenantKirchhoff,
 )
 
-from .elementary import exp, expm1
-from .flow import one_of
+from ..tracing import equal, exp, expm1, switch, traced, where
 from .hyperelastic import HENCKY, NEO_HOOKEAN, NEO_HOOKEAN_SPLIT, SAINT_VENANT_KIRCHHOFF, energy, hyperelastic
 from .tensors import (
     Symmetric,
@@ -33,8 +32,6 @@ from .tensors import (
     sym,
     trace,
 )
-from .tracing import traced
-from .values import equal, where
 
 # What is a number or lanes has no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -102,7 +99,7 @@ def stress(law: Law, constants: Constants, sigma: Symmetric, F: Tensor, incremen
     if len(law) == 1:
         return linear_elastic(constants.lame, constants.shear, sigma, sym(increment))
     deps = sym(increment)
-    return one_of(
+    return switch(
         law[0],
         {
             KELVIN_VOIGT: lambda: kelvin_voigt(constants, shifted(-1.0, 1.0, sym(F)), deps, dt),
@@ -128,7 +125,7 @@ def strain_energy(law: Law, constants: Constants, sigma: Symmetric, F: Tensor) -
         eps = shifted(-1.0, 1.0, sym(F))
         return 0.5 * ddot(hooke(lame, shear, eps), eps)
 
-    return one_of(
+    return switch(
         law[0],
         {KELVIN_VOIGT: kelvin_voigt_energy, MAXWELL: lambda: elastic_energy(lame, shear, sigma)},
         lambda: energy(law[0], lame, shear, F),
@@ -157,7 +154,7 @@ def dissipation(law: Law, constants: Constants, sigma: Symmetric, increment: Ten
         after = maxwell(constants, sigma, deps, dt)
         return work - elastic_energy(lame, shear, after) + elastic_energy(lame, shear, sigma)
 
-    return one_of(law[0], {KELVIN_VOIGT: lambda: time / dt * ddot(elastic, deps), MAXWELL: maxwell_heat}, 0.0)
+    return switch(law[0], {KELVIN_VOIGT: lambda: time / dt * ddot(elastic, deps), MAXWELL: maxwell_heat}, 0.0)
 
 
 @traced

@@ -2,6 +2,7 @@
 
 from mpmverify.problem import Array
 
+from ..tracing import all_positive, cond, floor, load_rows, reduce_sum, store_rows, traced, when, where
 from .constitution import (
     dissipation,
     finite_strain,
@@ -11,14 +12,9 @@ from .constitution import (
     stress,
     viscous,
 )
-from .flow import either, when
-from .lanes import floor, positive, total
-from .memory import rows, store_rows
 from .state import FAILED, HEAT, PASSED, STRAYED, Grid, Particles, Scheme, columns_of
 from .stencil import Group
 from .tensors import Symmetric, Tensor, deform, det, full
-from .tracing import traced
-from .values import where
 from .vectors import Vector, axpy, columns, constant, identity, null
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -29,8 +25,8 @@ from .vectors import Vector, axpy, columns, constant, identity, null
 def strain_and_stress(particles: Particles, numbers, zero: Vector):
     """F, or J alone where only that is kept, and sigma of particles."""
     column = columns_of(zero, particles.deformation)
-    F = rows(particles.state, numbers, column.F, particles.deformation)
-    return F, rows(particles.state, numbers, column.stress, null(zero)[2])
+    F = load_rows(particles.state, numbers, column.F, particles.deformation)
+    return F, load_rows(particles.state, numbers, column.stress, null(zero)[2])
 
 
 @traced
@@ -46,7 +42,7 @@ def deformed(scheme: Scheme, increment: Tensor, F: Tensor):
     """F + dt dv/dX or (I + dt dv/dx) F; if of F only J is kept, det(I + dt dv/dx) J, and in material coordinates J as it was."""
     if len(F) < len(increment):
         return (where(scheme.total, F[0], F[0] * det(axpy(1.0, increment, identity(increment)))),)
-    return either(scheme.total, lambda: axpy(1.0, increment, F), lambda: deform(increment, F))
+    return cond(scheme.total, lambda: axpy(1.0, increment, F), lambda: deform(increment, F))
 
 
 @traced
@@ -61,17 +57,17 @@ def strain(scheme: Scheme, particles: Particles, some: Group, increment: Tensor,
     store_rows(state, some.numbers, column.F, F)
     if len(law) > 1:
         with when(viscous(law)):
-            V = some.present * rows(state, some.numbers, column.volume, (0.0,))[0]
+            V = some.present * load_rows(state, some.numbers, column.volume, (0.0,))[0]
             J = where(scheme.total, 1.0, det(before))
-            sums[HEAT] += total(V * J * dissipation(law, constants, sigma, increment, dt))
+            sums[HEAT] += reduce_sum(V * J * dissipation(law, constants, sigma, increment, dt))
     store_rows(state, some.numbers, column.stress, stress(law, constants, sigma, F, increment, dt))
-    return where(positive(det(F)) | keeps_volume(scheme), PASSED, FAILED)
+    return where(all_positive(det(F)) | keeps_volume(scheme), PASSED, FAILED)
 
 
 @traced
 def move(grid: Grid, state: Array, some: Group, increment: Vector, limits: Array) -> int:
     """Move by x += dt v; STRAYED when a last coordinate, on a periodic axis all its images, passes the limits (2,) [m]."""
-    x = axpy(1.0, increment, rows(state, some.numbers, 0, increment))
+    x = axpy(1.0, increment, load_rows(state, some.numbers, 0, increment))
     store_rows(state, some.numbers, 0, x)
     times = floor((x[-1] - limits[0]) * (grid.scale / grid.cells[-1]))
     image = x[-1] - (grid.cells[-1] / grid.scale) * times
@@ -81,7 +77,7 @@ def move(grid: Grid, state: Array, some: Group, increment: Vector, limits: Array
 @traced
 def within(y, limits: Array) -> bool:
     """Whether values lie between limits (2,)."""
-    return positive(y - limits[0]) & positive(limits[1] - y)
+    return all_positive(y - limits[0]) & all_positive(limits[1] - y)
 
 
 @traced
@@ -90,7 +86,7 @@ def stored_energy(scheme: Scheme, particles: Particles, some: Group, zero: Vecto
     column, state = columns_of(zero, particles.deformation), particles.state
     F, sigma = strain_and_stress(particles, some.numbers, zero)
     J = where(keeps_volume(scheme) | finite_strain(scheme.law), 1.0, det(F))
-    V = some.present * rows(state, some.numbers, column.volume, (0.0,))[0]
+    V = some.present * load_rows(state, some.numbers, column.volume, (0.0,))[0]
     return V * J * strain_energy(scheme.law, scheme.constants, sigma, F)
 
 

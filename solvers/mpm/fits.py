@@ -7,11 +7,7 @@ from typing import NamedTuple
 
 from mpmverify.problem import Array
 
-from .flow import Kept, each, when
-from .lanes import largest, least, root, size
-from .memory import row
-from .tracing import traced
-from .values import opposite, where
+from ..tracing import Variable, absolute, for_range, load_row, logical_not, maximum, minimum, sqrt, traced, when, where
 from .vectors import Vector, axpy, scale
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -73,23 +69,23 @@ def taylor(width, xi: Vector):
 def factor(cell: Array, parts: Parts, d: int) -> int:
     """Cholesky factor of the products of the functions in their place, and of how many whole degrees are determined: their functions."""
     A, k = parts.products, parts.functions
-    determined = Kept(k, cell.shape[0])
-    with each(0, k, like=cell) as i, when(determined.value >= k):
+    determined = Variable(k, cell.shape[0])
+    with for_range(0, k, like=cell) as i, when(determined.value >= k):
         square = cell[A + k * i + i]
-        rest = Kept(square)
-        with each(0, i) as j:
-            value = Kept(cell[A + k * i + j])
-            with each(0, j) as other:
+        rest = Variable(square)
+        with for_range(0, i) as j:
+            value = Variable(cell[A + k * i + j])
+            with for_range(0, j) as other:
                 value.value -= cell[A + k * i + other] * cell[A + k * j + other]
             value.value /= cell[A + k * j + j]
             cell[A + k * i + j] = value.value
             rest.value -= value.value * value.value
         # Particles that gather in the middle of the cell have next to no slope to tell.
         usual = cell[A] * cell[A] * where(i > d, MEAN_SQUARE, MEAN)
-        enough = rest.value > DETERMINED * where(i > 0, largest(square, usual), square)
-        determined.value = where(enough, k, where(i > d, 1 + d, least(i, 1)))
+        enough = rest.value > DETERMINED * where(i > 0, maximum(square, usual), square)
+        determined.value = where(enough, k, where(i > d, 1 + d, minimum(i, 1)))
         with when(enough):
-            cell[A + k * i + i] = root(rest.value)
+            cell[A + k * i + i] = sqrt(rest.value)
     return determined.value
 
 
@@ -100,19 +96,19 @@ def solve(cell: Array, parts: Parts, determined: int, volume: float) -> None:
     The first, which is the mean over the cell, of what is conserved is its sum over the volume.
     """
     A, k, B, stride = parts.products, parts.functions, parts.densities, parts.fields
-    with each(0, parts.fields, like=cell) as c:
-        with each(0, determined) as i:
-            with each(0, i) as j:
+    with for_range(0, parts.fields, like=cell) as c:
+        with for_range(0, determined) as i:
+            with for_range(0, i) as j:
                 cell[B + stride * i + c] -= cell[A + k * i + j] * cell[B + stride * j + c]
             cell[B + stride * i + c] /= cell[A + k * i + i]
-        with each(0, determined) as solved:
+        with for_range(0, determined) as solved:
             i = determined - 1 - solved
-            with each(i + 1, determined) as j:
+            with for_range(i + 1, determined) as j:
                 cell[B + stride * i + c] -= cell[A + k * j + i] * cell[B + stride * j + c]
             cell[B + stride * i + c] /= cell[A + k * i + i]
-        with each(determined, k) as i:
+        with for_range(determined, k) as i:
             cell[B + stride * i + c] = 0.0
-    with each(0, parts.conserved, like=cell) as c:
+    with for_range(0, parts.conserved, like=cell) as c:
         cell[B + c] = cell[SUMS + c] / volume
 
 
@@ -123,8 +119,12 @@ def keep_positive(cell: Array, parts: Parts) -> None:
     No Taylor function is larger than a half there.
     """
     B, stride = parts.densities, parts.fields
-    reach = reduce(operator.add, [0.5 * size(cell[B + stride * i]) for i in range(1, parts.functions)])
-    with when(opposite(reach < cell[B])), each(1, parts.functions, like=cell) as i, each(0, parts.conserved, like=cell) as c:
+    reach = reduce(operator.add, [0.5 * absolute(cell[B + stride * i]) for i in range(1, parts.functions)])
+    with (
+        when(logical_not(reach < cell[B])),
+        for_range(1, parts.functions, like=cell) as i,
+        for_range(0, parts.conserved, like=cell) as c,
+    ):
         cell[B + stride * i + c] = 0.0
 
 
@@ -133,7 +133,7 @@ def fitted(cells: Array, c: int, first: int, stride: int, functions, like):
     """Values of fits of a cell where its functions have these values, from a field on, as many as `like` has."""
     value = scale(0.0, like)
     for i in range(len(functions)):
-        value = axpy(functions[i], row(cells, (c, first + stride * i), like), value)
+        value = axpy(functions[i], load_row(cells, (c, first + stride * i), like), value)
     return value
 
 

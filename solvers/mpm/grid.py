@@ -2,16 +2,13 @@
 
 import operator
 from collections.abc import Callable
-from functools import reduce, wraps
+from functools import reduce
 from typing import Any
 
 from mpmverify.problem import Array
 
-from .flow import each
-from .memory import add_totals
+from ..tracing import LANES, Consecutive, add_sums, for_range, traced, where
 from .state import Faces, Grid, Nodes
-from .tracing import traced
-from .values import COUNT, Four, where
 from .vectors import Vector
 
 # What is a number or lanes, or an array of compiled code, has no annotation.
@@ -27,16 +24,16 @@ def leapfrog(n: int, dt: float) -> tuple[float, float]:
 def _pass(at_node: Callable[..., None]) -> Any:
     """A pass over the nodes from `begin` to `end`, four at a time as far as they go; it sets the sums that it leaves to zero before."""
 
-    @wraps(at_node)
     def over_nodes(zero, nodes, strips, velocity, massless, kick, leap, sums, begin, end):
-        with each(0, sums.shape[0]) as c:
+        with for_range(0, sums.shape[0]) as c:
             sums[c] = 0.0
-        last = end - (end - begin) % COUNT
-        with each(begin, last, COUNT) as i:
-            at_node(zero, nodes, velocity, massless, kick, leap, sums, Four(i))
-        with each(last, end) as i:
+        last = end - (end - begin) % LANES
+        with for_range(begin, last, LANES) as i:
+            at_node(zero, nodes, velocity, massless, kick, leap, sums, Consecutive(i))
+        with for_range(last, end) as i:
             at_node(zero, nodes, velocity, massless, kick, leap, sums, i)
 
+    over_nodes.__name__, over_nodes.__doc__ = at_node.__name__, at_node.__doc__
     return traced(over_nodes)
 
 
@@ -58,7 +55,7 @@ def nodal_velocity(
         momentum = nodes.inertia[1 + c, i]
         velocity[c, i] = where(mass > massless, momentum / mass, 0.0)
         lost.append(where(mass > massless, 0.0, momentum))
-    add_totals(sums, 0, -1.0, lost)
+    add_sums(sums, 0, -1.0, lost)
 
 
 @_pass
@@ -84,13 +81,13 @@ def kick_nodes(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kic
         forces.append(external)
         nodes.velocity[c, i] = v + leap * a
         nodes.inertia[1 + c, i] = 0.0
-    add_totals(sums, 0, 1.0, (reduce(operator.add, power), *forces, nodes.inertia[0, i]))
+    add_sums(sums, 0, 1.0, (reduce(operator.add, power), *forces, nodes.inertia[0, i]))
 
 
 @traced
 def weigh(zero: Vector, nodes: Nodes, body: Array, load: int):
     """Add the body force m_I b_I, where there is one (n, d) at nodes, to the external forces."""
-    with each(0, where(body.shape[0] > 0, nodes.inertia.shape[1], 0)) as i:
+    with for_range(0, where(body.shape[0] > 0, nodes.inertia.shape[1], 0)) as i:
         for c in range(len(zero)):
             nodes.external[c, i] += nodes.inertia[0, i] * body[load, i, c]
 
@@ -98,7 +95,7 @@ def weigh(zero: Vector, nodes: Nodes, body: Array, load: int):
 @traced
 def join(grid: Grid, values, like) -> None:
     """Add what was spread to the ghost nodes of a periodic axis, as many components as `like` has, to their images."""
-    with each(0, grid.ghosts.shape[0]) as g:
+    with for_range(0, grid.ghosts.shape[0]) as g:
         ghost, image = grid.ghosts[g, 0], grid.ghosts[g, 1]
         for c in range(len(like)):
             values[c, image] += values[c, ghost]
@@ -108,7 +105,7 @@ def join(grid: Grid, values, like) -> None:
 @traced
 def repeat(grid: Grid, values) -> None:
     """Give the ghost nodes of a periodic axis the values of their images."""
-    with each(0, grid.ghosts.shape[0]) as g:
+    with for_range(0, grid.ghosts.shape[0]) as g:
         ghost, image = grid.ghosts[g, 0], grid.ghosts[g, 1]
         for c in range(len(grid.lower)):
             values[c, ghost] = values[c, image]
@@ -117,7 +114,7 @@ def repeat(grid: Grid, values) -> None:
 @traced
 def hold_velocity(grid: Grid, nodes: Nodes, faces: Faces, n: int, velocity: Array, added: Array) -> None:
     """v_b(t^{n-1/2}) where it is held, and the momentum that this adds (d,)."""
-    with each(0, faces.held.shape[0]) as k:
+    with for_range(0, faces.held.shape[0]) as k:
         i, c, face = (faces.held[k, j] for j in range(3))
         held = faces.velocity[face, n]
         added[c] += nodes.inertia[0, i] * (held - velocity[c, i])
@@ -128,7 +125,7 @@ def hold_velocity(grid: Grid, nodes: Nodes, faces: Faces, n: int, velocity: Arra
 @traced
 def load_faces(nodes: Nodes, faces: Faces, n: int) -> None:
     """Add the tractions p n at t^n to the external forces."""
-    with each(0, faces.loaded.shape[0]) as k:
+    with for_range(0, faces.loaded.shape[0]) as k:
         i, c, face = (faces.loaded[k, j] for j in range(3))
         nodes.external[c, i] += faces.area[k] * faces.force[face, n]
 
@@ -137,7 +134,7 @@ def load_faces(nodes: Nodes, faces: Faces, n: int) -> None:
 def hold_acceleration(grid: Grid, nodes: Nodes, faces: Faces, n: int, dt: float) -> None:
     """[v_b(t^{n+1/2}) - v_b(t^{n-1/2})]/dt where it is held; the reaction m_I a_I - f_I is an external force."""
     _, leap = leapfrog(n, dt)
-    with each(0, faces.held.shape[0]) as k:
+    with for_range(0, faces.held.shape[0]) as k:
         i, c, face = (faces.held[k, j] for j in range(3))
         nodes.acceleration[c, i] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / leap
         nodes.external[c, i] = nodes.inertia[0, i] * nodes.acceleration[c, i] - nodes.internal[c, i]
@@ -147,7 +144,7 @@ def hold_acceleration(grid: Grid, nodes: Nodes, faces: Faces, n: int, dt: float)
 @traced
 def begin_series(grid: Grid, nodes: Nodes, values) -> None:
     """Values of the nodes (d, n) as the first term of a series; the momentum is set to zero for what the particles make of it."""
-    with each(0, nodes.inertia.shape[1]) as i:
+    with for_range(0, nodes.inertia.shape[1]) as i:
         for c in range(len(grid.lower)):
             nodes.term[c, i] = values[c, i]
             nodes.inertia[1 + c, i] = 0.0
@@ -162,18 +159,18 @@ def add_term(grid: Grid, nodes: Nodes, faces: Faces, massless: float, total, rea
     """
     count, d = nodes.inertia.shape[1], len(grid.lower)
     join(grid, nodes.inertia, (0.0, *grid.lower))
-    with each(0, count) as i:
+    with for_range(0, count) as i:
         mass = nodes.inertia[0, i]
         for c in range(d):
             nodes.term[c, i] = where(mass > massless, nodes.term[c, i] - nodes.inertia[1 + c, i] / mass, 0.0)
             nodes.inertia[1 + c, i] = 0.0
-    with each(0, faces.held.shape[0]) as k:
+    with for_range(0, faces.held.shape[0]) as k:
         i, c = faces.held[k, 0], faces.held[k, 1]
         refused = nodes.inertia[0, i] * nodes.term[c, i]
         nodes.external[c, i] -= reaction * refused
         added[c] -= (1.0 - reaction) * refused
         nodes.term[c, i] = 0.0
     repeat(grid, nodes.term)
-    with each(0, count) as i:
+    with for_range(0, count) as i:
         for c in range(d):
             total[c, i] += nodes.term[c, i]

@@ -6,12 +6,9 @@ import numpy as np
 
 from mpmverify.problem import Array
 
-from .flow import each
+from ..tracing import for_range, maximum, traced, where
 from .grid import leapfrog
-from .lanes import largest
 from .state import HEAT, KINETIC, MOMENTUM, STRAIN, Histories, Scheme, Strips
-from .tracing import traced
-from .values import where
 from .vectors import Vector
 
 # What is a number of compiled code has no annotation.
@@ -37,7 +34,7 @@ def add_up(
     work = kick * (running[POWER] + at_nodes[0])
     running[POWER] = at_nodes[0]
     running[WORK] += work
-    running[GIVEN] += largest(work, -work)
+    running[GIVEN] += maximum(work, -work)
     for c in range(len(zero)):
         force = at_nodes[1 + c]
         histories.impulse[k, c] = running[IMPULSE + c] + kick * force
@@ -54,7 +51,7 @@ def record_sums(zero: Vector, strips: Strips, histories: Histories, k: int, runn
     Momentum sum_p m v; kinetic energy sum_p m v^2/2; strain energy; angular momentum sum_p m x cross v with that of the affine parts.
     """
     d = len(zero)
-    with each(0, strips.sums.shape[0]) as s:
+    with for_range(0, strips.sums.shape[0]) as s:
         histories.kinetic_energy[k] += strips.sums[s, KINETIC]
         histories.strain_energy[k] += strips.sums[s, STRAIN]
         for c in range(d):
@@ -72,7 +69,7 @@ def record_sums(zero: Vector, strips: Strips, histories: Histories, k: int, runn
 @traced
 def add_heat(strips: Strips, running: Array):
     """Add the energy that a pass has turned into heat."""
-    with each(0, strips.sums.shape[0]) as s:
+    with for_range(0, strips.sums.shape[0]) as s:
         running[TURNED] += strips.sums[s, HEAT]
 
 

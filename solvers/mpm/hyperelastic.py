@@ -2,8 +2,7 @@
 
 from math import nan
 
-from .elementary import log, power
-from .flow import one_of
+from ..tracing import log, power, switch, traced, where
 from .tensors import (
     Symmetric,
     Tensor,
@@ -17,8 +16,6 @@ from .tensors import (
     squared,
     trace,
 )
-from .tracing import traced
-from .values import where
 
 # What is a number or lanes has no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -58,7 +55,7 @@ def hyperelastic(law: int, lame: float, shear: float, F: Tensor) -> Symmetric:
         bulk, isochoric = lame + 2 * shear / 3, shear * power(J, -5 / 3)
         return shifted(0.5 * bulk * (J - 1 / J) - isochoric * (trace(b) + 3 - dimension(b)) / 3, isochoric, b)
 
-    return one_of(
+    return switch(
         law,
         {
             NEO_HOOKEAN: lambda: shifted((lame * log(J) - shear) / J, shear / J, b),
@@ -102,4 +99,4 @@ def energy(law: int, lame: float, shear: float, F: Tensor) -> float:
         return where(J > 0, stored, nan)
 
     ways = {NEO_HOOKEAN: neo_hookean, NEO_HOOKEAN_SPLIT: split, HENCKY: hencky}
-    return one_of(law, ways, saint_venant_kirchhoff)
+    return switch(law, ways, saint_venant_kirchhoff)

@@ -1,10 +1,11 @@
 """The compiled time loop of the explicit material point method."""
 
+from pathlib import Path
 from typing import Any
 
 from mpmverify.problem import Array
 
-from .compilation import SOURCES, WITHOUT_ENTRY, compiled
+from ..tracing import WITHOUT_ENTRY, checksum, compiled
 from .grid import (
     accelerate,
     add_term,
@@ -42,6 +43,8 @@ from .vectors import with_mass
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
+SOURCES = checksum(Path(__file__).parent)
+"""Of this package and of its compiler: the disk cache compiles the loop anew when a file of either changes."""
 MASSLESS = 1e-12
 """Nodes with less than this part of the largest particle's mass carry no velocity: f/m would overflow."""
 

@@ -8,13 +8,26 @@ import numpy as np
 
 from mpmverify.problem import Array
 
+from ..tracing import (
+    LANES,
+    Variable,
+    as_double,
+    as_integer,
+    equal,
+    floor,
+    for_range,
+    logical_not,
+    maximum,
+    minimum,
+    traced,
+    unpack,
+    when,
+    where,
+    while_loop,
+)
 from .basis import CPDI
-from .flow import Kept, as_long_as, each, when
-from .lanes import floor, largest, least, taken, whole
 from .state import FAILED, PASSED, UNSORTED, Grid, Integers, Nodes, Particles, Scheme, Strips
 from .stencil import cell_number, in_cells, inside, node_of, place
-from .tracing import traced
-from .values import COUNT, equal, opposite, real, where
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -79,18 +92,18 @@ def arrange(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, stri
     begin, end = strips.particles[s], strips.particles[s + 1]
     node, share, order = strips.node, strips.shares[s], particles.order
     lowest, highest = grid.stride[-1] * (strips.rows[s] - BEYOND), share.shape[0] - 2
-    with each(0, share.shape[0]) as c:
+    with for_range(0, share.shape[0]) as c:
         share[c] = 0
-    with each(begin, end, COUNT) as p:
-        which = [least(p + k, end - 1) for k in range(COUNT)]
+    with for_range(begin, end, LANES) as p:
+        which = [minimum(p + k, end - 1) for k in range(LANES)]
         _, first = in_cells(scheme, grid, particles, which)
         nodes_of_four = node_of(grid, [floor(along) for along in first]) - lowest
-        for k, one in enumerate(taken(least(largest(nodes_of_four, 0.0), real(highest)))):
-            node[which[k]] = whole(one)
+        for k, one in enumerate(unpack(minimum(maximum(nodes_of_four, 0.0), as_double(highest)))):
+            node[which[k]] = as_integer(one)
             share[node[which[k]] + 1] += where(p + k < end, 1, 0)
-    with each(0, highest + 1) as c:
+    with for_range(0, highest + 1) as c:
         share[c + 1] += share[c]
-    with each(begin, end) as p:
+    with for_range(begin, end) as p:
         order[begin + share[node[p]]] = p
         share[node[p]] += 1
     return PASSED
@@ -100,28 +113,30 @@ def arrange(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, stri
 def cell_of(scheme: Scheme, grid: Grid, particles: Particles, p: int) -> int:
     """Number of the cell of a particle, x fastest; -1 when it is not on the grid."""
     s = place(scheme, grid, particles, p)
-    return where(inside(grid, s), cell_number(grid, [least(whole(a), n - 1) for a, n in zip(s, grid.cells, strict=True)]), -1)
+    return where(
+        inside(grid, s), cell_number(grid, [minimum(as_integer(a), n - 1) for a, n in zip(s, grid.cells, strict=True)]), -1
+    )
 
 
 @traced
 def permute(particles: Particles, order: Integers, spare: Array) -> None:
     """Particles in another order (P,), along its cycles; `order` becomes that of the sorted ones, `spare` holds a state (K,)."""
     place, state = particles.place, particles.state
-    with each(0, order.shape[0]) as first, when(opposite(equal(order[first], first))):
-        number, hole = place[first], Kept(first)
-        with each(0, spare.shape[0]) as c:
+    with for_range(0, order.shape[0]) as first, when(logical_not(equal(order[first], first))):
+        number, hole = place[first], Variable(first)
+        with for_range(0, spare.shape[0]) as c:
             spare[c] = state[first, c]
-        with as_long_as(first.builder, lambda: opposite(equal(order[hole.value], first))):
+        with while_loop(lambda: logical_not(equal(order[hole.value], first)), like=first):
             at, source = hole.value, order[hole.value]
             place[at] = place[source]
-            with each(0, spare.shape[0]) as c:
+            with for_range(0, spare.shape[0]) as c:
                 state[at, c] = state[source, c]
             order[at] = at
             hole.value = source
         last = hole.value
         place[last] = number
         order[last] = last
-        with each(0, spare.shape[0]) as c:
+        with for_range(0, spare.shape[0]) as c:
             state[last, c] = spare[c]
 
 
@@ -132,19 +147,19 @@ def sort(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, n: in
     """
     cell, order, start = strips.node, particles.order, strips.start
     row_of_cells = reduce(operator.mul, grid.cells[:-1], 1)
-    away = Kept(0, order.shape[0])
-    with each(0, start.shape[0]) as c:
+    away = Variable(0, order.shape[0])
+    with for_range(0, start.shape[0]) as c:
         start[c] = 0
-    with each(0, order.shape[0]) as p:
+    with for_range(0, order.shape[0]) as p:
         cell[p] = cell_of(scheme, grid, particles, p)
         away.value = where(cell[p] < 0, 1, away.value)
         start[cell[p] + 1] += 1
     with when(away.value < 1):
-        with each(1, start.shape[0]) as c:
+        with for_range(1, start.shape[0]) as c:
             start[c] += start[c - 1]
-        with each(0, strips.rows.shape[0]) as s:
+        with for_range(0, strips.rows.shape[0]) as s:
             strips.particles[s] = start[strips.rows[s] * row_of_cells]
-        with each(0, order.shape[0]) as p:
+        with for_range(0, order.shape[0]) as p:
             order[start[cell[p]]] = p
             start[cell[p]] += 1
         permute(particles, order, strips.spare)

@@ -4,12 +4,27 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from ..tracing import (
+    Variable,
+    add_sums,
+    cond,
+    equal,
+    for_range,
+    for_strides,
+    load_rows,
+    logical_not,
+    maximum,
+    minimum,
+    reduce_sum,
+    store_rows,
+    traced,
+    unpack,
+    when,
+    where,
+)
 from .affine import NO_AFFINE, gather_affine, spin_with, spread_momentum
 from .deformation import force_columns, keeps_volume, move, stored_energy, strain, strain_and_stress
-from .flow import Kept, each, either, walk, when
 from .grid import leapfrog
-from .lanes import largest, least, taken, total
-from .memory import add_totals, rows, store_rows
 from .reconstruction import not_fitted
 from .state import (
     FAILED,
@@ -29,9 +44,7 @@ from .state import (
 )
 from .stencil import Group, domain, group, places, support
 from .tensors import det
-from .tracing import traced
 from .transfer import gather, gather_tensor, spread, spread_tensor
-from .values import equal, opposite, where
 from .vectors import Vector, axpy, cross, dot, null, scale, with_mass
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -43,18 +56,18 @@ USF, USL, MUSL = range(3)
 @traced
 def support_of(grid: Grid, particles: Particles, some: Group):
     """Support of the particles of a group."""
-    F = rows(particles.state, some.numbers, columns_of(grid.lower, particles.deformation).F, particles.deformation)
+    F = load_rows(particles.state, some.numbers, columns_of(grid.lower, particles.deformation).F, particles.deformation)
     return support(grid, some.first, some.offset, domain(grid, F))
 
 
 @contextmanager
 def groups(scheme: Scheme, grid: Grid, particles: Particles, begin: int, end: int) -> Iterator[tuple[Any, Any]]:
     """A loop over the particles on the grid that one stencil serves at a time: the group and its support."""
-    with walk(begin, end) as (p, go_on):
+    with for_strides(begin, end) as (p, advance):
         some = group(scheme, grid, particles, p, end)
         with when(some.size > 0):
             yield some, support_of(grid, particles, some)
-        go_on(largest(some.size, 1))
+        advance(maximum(some.size, 1))
 
 
 @traced
@@ -75,23 +88,23 @@ def particles_to_grid(
 
     Internal -sum_p V_p sigma_p dN_Ip/dx and external sum_p m_p b_p N_Ip. FAILED when a particle is not on the grid.
     """
-    zero, state, passed, end = null(grid.lower)[0], particles.state, Kept(PASSED, s), strips.particles[s + 1]
+    zero, state, passed, end = null(grid.lower)[0], particles.state, Variable(PASSED, s), strips.particles[s + 1]
     column = columns_of(zero, particles.deformation)
-    with walk(strips.particles[s], end) as (p, go_on):
+    with for_strides(strips.particles[s], end) as (p, advance):
         some = group(scheme, grid, particles, p, end)
         with when(some.size > 0):
             at = support_of(grid, particles, some)
-            m, V = scale(not_fitted(grid, nodes, some), rows(state, some.numbers, column.mass, (0.0, 0.0)))
-            v = rows(state, some.numbers, column.velocity, zero)
+            m, V = scale(not_fitted(grid, nodes, some), load_rows(state, some.numbers, column.mass, (0.0, 0.0)))
+            v = load_rows(state, some.numbers, column.velocity, zero)
             spread_inertia(scheme, grid, particles, nodes, some.numbers, m, v, at)
             with when(step.forces):
                 F, sigma = strain_and_stress(particles, some.numbers, zero)
                 spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
-            with when((step.body.shape[0] > 0) & opposite(scheme.nodal_body)):
-                b = rows(step.body[step.load], places(particles, some.numbers), 0, zero)
+            with when((step.body.shape[0] > 0) & logical_not(scheme.nodal_body)):
+                b = load_rows(step.body[step.load], places(particles, some.numbers), 0, zero)
                 spread(grid, nodes.external, 0, at, scale(m, b))
         passed.value = where(some.size > 0, passed.value, FAILED)
-        go_on(largest(some.size, 1))
+        advance(maximum(some.size, 1))
     return passed.value
 
 
@@ -99,7 +112,10 @@ def particles_to_grid(
 def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int) -> int:
     """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of the nodes, to the particles and back."""
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
-        m = some.present * rows(particles.state, some.numbers, columns_of(grid.lower, particles.deformation).mass, (0.0,))[0]
+        m = (
+            some.present
+            * load_rows(particles.state, some.numbers, columns_of(grid.lower, particles.deformation).mass, (0.0,))[0]
+        )
         spread(grid, nodes.inertia, 1, at, scale(m, gather(grid, nodes.term, at)))
     return PASSED
 
@@ -118,39 +134,39 @@ def grid_to_particles(
     zero = null(grid.lower)[0]
     column = columns_of(zero, particles.deformation)
     kick, leap = leapfrog(step.n, step.dt)
-    passed, state = Kept(PASSED, s), particles.state
+    passed, state = Variable(PASSED, s), particles.state
     limits, sums = strips.limits[s], strips.sums[s]
-    with each(0, sums.shape[0]) as c:
+    with for_range(0, sums.shape[0]) as c:
         sums[c] = 0.0
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
-        before = rows(state, some.numbers, column.velocity, zero)
-        a = either(step.record | (scheme.flip > 0), lambda: gather(grid, nodes.acceleration, at), zero)
+        before = load_rows(state, some.numbers, column.velocity, zero)
+        a = cond(step.record | (scheme.flip > 0), lambda: gather(grid, nodes.acceleration, at), zero)
         with when(step.record):
-            m = some.present * rows(state, some.numbers, column.mass, (0.0,))[0]
-            now, x = axpy(kick, a, before), rows(state, some.numbers, 0, zero)
+            m = some.present * load_rows(state, some.numbers, column.mass, (0.0,))[0]
+            now, x = axpy(kick, a, before), load_rows(state, some.numbers, 0, zero)
             spin = spin_with(scheme, grid, particles, some.numbers, at, cross(x, now))
-            sums[KINETIC] += total(0.5 * m * dot(now, now))
-            sums[STRAIN] += total(stored_energy(scheme, particles, some, zero))
-            add_totals(sums, MOMENTUM, m, now)
-            add_totals(sums, MOMENTUM + len(zero), m, spin)
+            sums[KINETIC] += reduce_sum(0.5 * m * dot(now, now))
+            sums[STRAIN] += reduce_sum(stored_energy(scheme, particles, some, zero))
+            add_sums(sums, MOMENTUM, m, now)
+            add_sums(sums, MOMENTUM + len(zero), m, spin)
         with when(step.advance):
             moved = gather(grid, nodes.velocity, at)
             gradient = gather_tensor(grid, nodes.velocity, at)
             affine = gather_affine(scheme, grid, nodes, at, gradient)
             v = axpy(scheme.flip, axpy(leap, a, before), scale(1 - scheme.flip, moved))
             if len(scheme.series) > 0:
-                v = either(scheme.full_mass, v, lambda: axpy(1.0, gather(grid, nodes.projected, at), v))
+                v = cond(scheme.full_mass, v, lambda: axpy(1.0, gather(grid, nodes.projected, at), v))
             store_rows(state, some.numbers, column.velocity, v)
             store_rows(state, some.numbers, column.affine, affine)
             again = equal(scheme.schedule, MUSL)
             with when(again):
-                m = some.present * rows(state, some.numbers, column.mass, (0.0,))[0]
+                m = some.present * load_rows(state, some.numbers, column.mass, (0.0,))[0]
                 spread_momentum(scheme, grid, particles, nodes, some.numbers, m, v, at)
-            with when(opposite(again)):
-                passed.value = least(passed.value, move(grid, state, some, scale(step.dt, moved), limits))
+            with when(logical_not(again)):
+                passed.value = minimum(passed.value, move(grid, state, some, scale(step.dt, moved), limits))
                 with when(equal(scheme.schedule, USL)):
                     strained = strain(scheme, particles, some, scale(step.dt, gradient), step.dt, sums, zero)
-                    passed.value = least(passed.value, strained)
+                    passed.value = minimum(passed.value, strained)
     return passed.value
 
 
@@ -163,19 +179,19 @@ def strain_particles(scheme: Scheme, grid: Grid, particles: Particles, nodes: No
     """
     zero = null(grid.lower)[0]
     column = columns_of(zero, particles.deformation)
-    passed, first_of_all = Kept(PASSED, s), equal(scheme.schedule, USF)
+    passed, first_of_all = Variable(PASSED, s), equal(scheme.schedule, USF)
     state, limits, sums = particles.state, strips.limits[s], strips.sums[s]
     sums[HEAT] = 0.0
     nodal = where(first_of_all, nodes.velocity, nodes.projected)
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
         gradient, moved = gather_tensor(grid, nodal, at), gather(grid, nodes.velocity, at)
-        with when(opposite(first_of_all)):
-            passed.value = least(passed.value, move(grid, state, some, scale(step.dt, moved), limits))
+        with when(logical_not(first_of_all)):
+            passed.value = minimum(passed.value, move(grid, state, some, scale(step.dt, moved), limits))
         strained = strain(scheme, particles, some, scale(step.dt, gradient), step.dt, sums, zero)
-        passed.value = least(passed.value, strained)
+        passed.value = minimum(passed.value, strained)
         with when(first_of_all):
             F, sigma = strain_and_stress(particles, some.numbers, zero)
-            V = some.present * rows(state, some.numbers, column.volume, (0.0,))[0]
+            V = some.present * load_rows(state, some.numbers, column.volume, (0.0,))[0]
             spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
     return passed.value
 
@@ -199,13 +215,13 @@ def record_fields(
     kick, _ = leapfrog(n, dt)
     state = particles.state
     with groups(scheme, grid, particles, begin, end) as (some, at):
-        at_place, x = places(particles, some.numbers), rows(state, some.numbers, 0, zero)
-        now = axpy(kick, gather(grid, nodes.acceleration, at), rows(state, some.numbers, column.velocity, zero))
-        store_rows(outputs.displacement[k], at_place, 0, axpy(-1.0, rows(particles.reference, at_place, 0, zero), x))
+        at_place, x = places(particles, some.numbers), load_rows(state, some.numbers, 0, zero)
+        now = axpy(kick, gather(grid, nodes.acceleration, at), load_rows(state, some.numbers, column.velocity, zero))
+        store_rows(outputs.displacement[k], at_place, 0, axpy(-1.0, load_rows(particles.reference, at_place, 0, zero), x))
         store_rows(outputs.velocity[k], at_place, 0, now)
         F, sigma = strain_and_stress(particles, some.numbers, zero)
         store_rows(outputs.stress[k], at_place, 0, sigma)
         J = where(keeps_volume(scheme), 1.0, det(F))
-        volumes = taken(J * rows(state, some.numbers, column.volume, (0.0,))[0])
+        volumes = unpack(J * load_rows(state, some.numbers, column.volume, (0.0,))[0])
         for number, volume in zip(at_place, volumes, strict=True):
             outputs.volume[k, number] = volume

@@ -19,6 +19,20 @@ import numpy as np
 
 from mpmverify.problem import Array, Traction
 
+from ..tracing import (
+    add_sums,
+    cond,
+    for_range,
+    for_strides,
+    load_row,
+    load_rows,
+    logical_not,
+    maximum,
+    reduce_sum,
+    traced,
+    when,
+    where,
+)
 from .basis import ONE, TLS, Axis, Basis
 from .deformation import force_columns, strain_and_stress
 from .fits import (
@@ -36,15 +50,10 @@ from .fits import (
     solve,
     taylor,
 )
-from .flow import each, either, walk, when
-from .lanes import largest, total
-from .memory import add_totals, row, rows
 from .state import PASSED, Grid, Nodes, Particles, Scheme, Step, Strips, columns_of
 from .stencil import Group, cell_number, group, places, support
 from .tensors import det
-from .tracing import traced
 from .transfer import spread, spread_tensor
-from .values import opposite, where
 from .vectors import null, scale, with_mass
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -79,7 +88,7 @@ def cell_along(grid: Grid, number: int):
 def add_products(cell: Array, first: int, stride: int, functions, values) -> None:
     """Add the sums of products of functions with values (k, ...), a row each `stride` entries."""
     for i in range(len(functions)):
-        add_totals(cell, first + stride * i, functions[i], values)
+        add_sums(cell, first + stride * i, functions[i], values)
 
 
 @traced
@@ -88,18 +97,18 @@ def add_to_cell(scheme: Scheme, grid: Grid, particles: Particles, some: Group, c
     zero, d, state = null(grid.lower)[0], len(grid.lower), particles.state
     column = columns_of(zero, particles.deformation)
     F, sigma = strain_and_stress(particles, some.numbers, zero)
-    m, V0 = rows(state, some.numbers, column.mass, (0.0, 0.0))
+    m, V0 = load_rows(state, some.numbers, column.mass, (0.0, 0.0))
     V = where(scheme.total, V0, V0 * det(F))
     functions = taylor(grid.width, some.offset)
     parts, there = parts_of(functions, zero), scale(some.present, functions)
-    cell[POPULATION] += total(some.present)
+    cell[POPULATION] += reduce_sum(some.present)
     add_products(cell, parts.products, parts.functions, there, functions)
-    inertia = with_mass(m, rows(state, some.numbers, column.velocity, zero))
-    add_totals(cell, SUMS, some.present, inertia)
+    inertia = with_mass(m, load_rows(state, some.numbers, column.velocity, zero))
+    add_sums(cell, SUMS, some.present, inertia)
     add_products(cell, parts.densities, parts.fields, scale(1 / V, there), inertia)
-    with when(step.forces & (step.body.shape[0] > 0) & opposite(scheme.nodal_body)):
-        weight = scale(m, rows(step.body[step.load], places(particles, some.numbers), 0, zero))
-        add_totals(cell, SUMS + 1 + d, some.present, weight)
+    with when(step.forces & (step.body.shape[0] > 0) & logical_not(scheme.nodal_body)):
+        weight = scale(m, load_rows(step.body[step.load], places(particles, some.numbers), 0, zero))
+        add_sums(cell, SUMS + 1 + d, some.present, weight)
         add_products(cell, parts.densities + 1 + d, parts.fields, scale(1 / V, there), weight)
     with when(step.forces):
         minus_stress = force_columns(scheme, V0 / V, sigma, F, zero)
@@ -111,12 +120,12 @@ def add_to_cell(scheme: Scheme, grid: Grid, particles: Particles, some: Group, c
 def fit_cells(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step) -> int:
     """A pass over the particles that adds up what the fits of their cells need; that one is not on the grid `particles_to_grid` says."""
     end = strips.particles[s + 1]
-    with walk(strips.particles[s], end) as (p, go_on):
+    with for_strides(strips.particles[s], end) as (p, advance):
         some = group(scheme, grid, particles, p, end)
         with when(some.size > 0):
             cell = nodes.cells[cell_number(grid, some.first)]
             add_to_cell(scheme, grid, particles, some, cell, step)
-        go_on(largest(some.size, 1))
+        advance(maximum(some.size, 1))
     return PASSED
 
 
@@ -125,7 +134,7 @@ def spread_cell(grid: Grid, nodes: Nodes, c: int, volume: float, forces: bool) -
     """Integrals of the fits of a cell with the functions of the grid and their gradients."""
     zero, tensor, _ = null(grid.lower)
     d, first = len(zero), cell_along(grid, c)
-    with each(0, len(gauss_points(grid.width)[0]) ** d, like=c) as number:
+    with for_range(0, len(gauss_points(grid.width)[0]) ** d, like=c) as number:
         xi, weight = gauss_point(grid.width, number, zero)
         functions = scale(weight * volume, taylor(grid.width, xi))
         parts = parts_of(functions, zero)
@@ -160,15 +169,15 @@ def spread_fits(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, 
     zero, d = grid.lower, len(grid.lower)
     volume, row_of_cells = reduce(operator.truediv, (grid.scale,) * d, 1.0), reduce(operator.mul, grid.cells[:-1], 1)
     parts = parts_of(taylor(grid.width, zero), zero)
-    with each(strips.rows[s] * row_of_cells, strips.rows[s + 1] * row_of_cells) as c:
+    with for_range(strips.rows[s] * row_of_cells, strips.rows[s + 1] * row_of_cells) as c:
         cell = nodes.cells[c]
-        determined = either(enclosed(grid, nodes.cells, c), lambda: factor(cell, parts, d), 0)
+        determined = cond(enclosed(grid, nodes.cells, c), lambda: factor(cell, parts, d), 0)
         cell[FITTED] = where(determined > 0, 1.0, 0.0)
         with when(determined > 0):
             solve(cell, parts, determined, volume)
             keep_positive(cell, parts)
             spread_cell(grid, nodes, c, volume, step.forces)
-        with each(SUMS, cell.shape[0]) as k:
+        with for_range(SUMS, cell.shape[0]) as k:
             cell[k] = 0.0
     return PASSED
 
@@ -178,5 +187,5 @@ def not_fitted(grid: Grid, nodes: Nodes, some: Group):
     """The particles of a group that are points of quadrature, as 1 and 0: all, but where their cell is fitted none."""
     if len(grid.kind) != len(TLS):
         return some.present
-    (fitted,) = row(nodes.cells, (cell_number(grid, some.first), FITTED), ONE)
+    (fitted,) = load_row(nodes.cells, (cell_number(grid, some.first), FITTED), ONE)
     return some.present * (1.0 - fitted)

@@ -5,13 +5,13 @@ import time
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
 from mpmverify.errors import UsageError
 from mpmverify.problem import Array, Discretisation, LinearElastic, Periodic, Problem, Spatial, output_steps, require
 from mpmverify.solution import Outcome, Solution, Status, Work
 
+from ..tracing import start_threads
 from . import loop, passes
 from .acceptance import check
 from .basis import BASES, CPDI, GIMP, MLS, TLS, Axis, basis_axis
@@ -204,7 +204,7 @@ class MaterialPoint:
         record = (outputs, histories, running, dt)
         march = loop.march
         if count >= MANY:
-            numba.get_num_threads()  # starts the threads, which a loop from the disk cache takes for granted
+            start_threads()  # a loop from the disk cache takes them for granted
             march = loop.march_in_threads
         march(*state, *record, np.zeros((0, 0, 0)), 0, 0, 0)  # compiles, takes no pass
 

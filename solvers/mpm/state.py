@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from mpmverify.problem import Array
 
+from ..tracing import traced
 from .basis import Axis, Basis
 from .constitution import Constants, Law
-from .tracing import traced
 from .vectors import Vector
 
 Integers = NDArray[np.int64]

@@ -10,14 +10,25 @@ import operator
 from functools import reduce
 from typing import NamedTuple
 
+from ..tracing import (
+    LANES,
+    as_integer,
+    cond,
+    count_leading,
+    fill_from_first,
+    floor,
+    leading_ones,
+    load_row,
+    load_rows,
+    maximum,
+    minimum,
+    split_floor,
+    traced,
+    where,
+)
 from .basis import CPDI, GIMP, LONGEST, MLS, SHORTEST, along, integrated_along, moment_along
-from .flow import either
-from .lanes import first_lanes, floor, largest, leading, least, repeated, split, whole
-from .memory import row, rows
 from .state import Grid, Particles, Scheme, columns_of
 from .tensors import cofactor, det
-from .tracing import traced
-from .values import COUNT, where
 from .vectors import Vector, axpy, dot, identity, scale
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -44,10 +55,10 @@ def place(scheme: Scheme, grid: Grid, particles: Particles, p: int) -> Vector:
 
     At X in the total Lagrangian formulation, else at x.
     """
-    x = either(
+    x = cond(
         scheme.total,
-        lambda: row(particles.reference, (particles.place[p], 0), grid.lower),
-        lambda: row(particles.state, (p, 0), grid.lower),
+        lambda: load_row(particles.reference, (particles.place[p], 0), grid.lower),
+        lambda: load_row(particles.state, (p, 0), grid.lower),
     )
     return local(grid, x)
 
@@ -93,7 +104,7 @@ def supported(grid: Grid, s: Vector, F) -> bool:
     there, n = inside(grid, s), len(s)
     if len(grid.kind) == len(CPDI):
         for i in range(n):
-            reach = reduce(operator.add, [largest(R, -R) for R in F[n * i : n * i + n]])
+            reach = reduce(operator.add, [maximum(R, -R) for R in F[n * i : n * i + n]])
             there = there & (grid.half * reach <= 1.0)
     return there
 
@@ -108,7 +119,7 @@ def stretches(grid: Grid, F):
 @traced
 def half_domain(grid: Grid, stretch):
     """Half the domain of a particle of GIMP along an axis, in cells."""
-    return least(largest(stretch, SHORTEST) * grid.half, LONGEST)
+    return minimum(maximum(stretch, SHORTEST) * grid.half, LONGEST)
 
 
 @traced
@@ -125,8 +136,8 @@ def begin(grid: Grid, k: int, s: float, stretch: float):
     if len(grid.kind) == len(GIMP):
         a = s - half_domain(grid, stretch) + grid.padding[k]
         a = where(grid.periodic[k], where(a < 0.0, a + grid.cells[k], a), a)
-        return whole(a), a - whole(a)
-    cell = least(whole(s), grid.cells[k] - 1)
+        return as_integer(a), a - as_integer(a)
+    cell = minimum(as_integer(s), grid.cells[k] - 1)
     return cell, s - cell
 
 
@@ -144,7 +155,7 @@ def begins(grid: Grid, s: Vector, F):
 def found(scheme: Scheme, grid: Grid, particles: Particles, p: int):
     """Whether a particle is on the grid, and what `begins` says of it."""
     s = place(scheme, grid, particles, p)
-    F = domain(grid, row(particles.state, (p, columns_of(grid.lower, particles.deformation).F), particles.deformation))
+    F = domain(grid, load_row(particles.state, (p, columns_of(grid.lower, particles.deformation).F), particles.deformation))
     first, offset = begins(grid, s, F)
     return supported(grid, s, F), first, offset
 
@@ -165,13 +176,13 @@ def images(grid: Grid, s: Vector):
 @traced
 def in_cells(scheme: Scheme, grid: Grid, particles: Particles, which):
     """How far particles, by their numbers (4,), are from the lower ends in cells (d,), and how far their functions begin."""
-    x = either(
+    x = cond(
         scheme.total,
-        lambda: rows(particles.reference, places(particles, which), 0, grid.lower),
-        lambda: rows(particles.state, which, 0, grid.lower),
+        lambda: load_rows(particles.reference, places(particles, which), 0, grid.lower),
+        lambda: load_rows(particles.state, which, 0, grid.lower),
     )
     s = images(grid, scale(grid.scale, axpy(-1.0, grid.lower, x)))
-    F = domain(grid, rows(particles.state, which, columns_of(grid.lower, particles.deformation).F, particles.deformation))
+    F = domain(grid, load_rows(particles.state, which, columns_of(grid.lower, particles.deformation).F, particles.deformation))
     return s, axpy(1.0, ends(grid, F, s), s) if len(grid.kind) == len(GIMP) else s
 
 
@@ -183,23 +194,23 @@ def group(scheme: Scheme, grid: Grid, particles: Particles, p: int, end: int) ->
     if len(grid.kind) == len(CPDI):
         here, first, middle = found(scheme, grid, particles, q)
         return Group(where(here, 1, 0), (q,), 1.0, first, middle)
-    which = q, *(order[least(p + k, last)] for k in range(1, COUNT))
+    which = q, *(order[minimum(p + k, last)] for k in range(1, LANES))
     s, begin = in_cells(scheme, grid, particles, which)
-    offset, under, shared = split(begin)
+    offset, under, shared = split_floor(begin)
     if len(grid.kind) == len(GIMP):
-        alike = leading(reduce(operator.and_, [shared, in_a_cell(s, grid.cells), *(a >= 0.0 for a in begin)]))
+        alike = count_leading(reduce(operator.and_, [shared, in_a_cell(s, grid.cells), *(a >= 0.0 for a in begin)]))
     else:
-        alike = where(in_a_cell(under, grid.cells), leading(shared), 0)
+        alike = where(in_a_cell(under, grid.cells), count_leading(shared), 0)
 
     def outside_or_on_the_edge():
         here, first, alone = found(scheme, grid, particles, q)
         return where(here, 1, 0), first, alone
 
-    together = least(alike, end - p), tuple(whole(a) for a in under), offset
-    count, first, offset = either(alike > 0, together, outside_or_on_the_edge)
-    numbers = q, *(where(count > k, which[k], q) for k in range(1, COUNT))
-    present = first_lanes(largest(count, 1))
-    return Group(count, numbers, present, first, repeated(offset, present))
+    together = minimum(alike, end - p), tuple(as_integer(a) for a in under), offset
+    count, first, offset = cond(alike > 0, together, outside_or_on_the_edge)
+    numbers = q, *(where(count > k, which[k], q) for k in range(1, LANES))
+    present = leading_ones(maximum(count, 1))
+    return Group(count, numbers, present, first, fill_from_first(offset, present))
 
 
 @traced
@@ -260,7 +271,7 @@ def corner(grid: Grid, s: Vector, R, G, c: int):
 def hat_at(grid: Grid, k: int, s: float):
     """First of the hats at a place that may lie in the padding or have left a periodic axis, and both of them (2,)."""
     a = back(grid, k, s) + grid.padding[k]
-    cell = least(whole(a), grid.cells[k] + 2 * grid.padding[k] - 1)
+    cell = minimum(as_integer(a), grid.cells[k] + 2 * grid.padding[k] - 1)
     return cell, (1.0 - (a - cell), a - cell)
 
 

@@ -6,17 +6,14 @@ What is worked on in threads does not depend on how many there are.
 from functools import wraps
 from typing import Any
 
+from ..tracing import for_range, outlined, parallel_for, traced, where
 from .basis import TLS
 from .fits import POPULATION
-from .flow import each
 from .grid import accelerate, clear, kick_nodes, nodal_velocity
 from .order import arrange, no_sort, sort
-from .outline import in_threads, once
 from .passes import grid_to_particles, particles_to_grid, smooth, strain_particles
 from .reconstruction import fit_cells, spread_fits
 from .state import PASSED
-from .tracing import traced
-from .values import where
 
 # What is a number or lanes, or an array of compiled code, has no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -29,11 +26,11 @@ def _over_strips(one: Any) -> Any:
     def over_strips(scheme, grid, particles, nodes, strips, _, *step):
         passed = strips.passed
         count = passed.shape[0]
-        with each(0, where(count > 1, 2, 1)) as colour:
+        with for_range(0, where(count > 1, 2, 1)) as colour:
             shared = colour, scheme, grid, particles, nodes, strips, *step
-            with in_threads((count + 1 - colour) // 2, shared) as (k, there):
+            with parallel_for((count + 1 - colour) // 2, shared) as (k, there):
                 of_strip(k, *there)
-        with each(1, count) as s:
+        with for_range(1, count) as s:
             passed[0] = where(passed[s] < passed[0], passed[s], passed[0])
         return passed[0]
 
@@ -50,11 +47,11 @@ def _over_parts(one: Any) -> Any:
     @wraps(one)
     def over_parts(zero, nodes, strips, velocity, massless, kick, leap, sums, begin, end):
         parts = strips.nodal.shape[0]
-        with in_threads(parts, (zero, nodes, strips, velocity, massless, kick, leap, begin, end)) as (k, there):
+        with parallel_for(parts, (zero, nodes, strips, velocity, massless, kick, leap, begin, end)) as (k, there):
             of_part(k, *there)
-        with each(0, sums.shape[0]) as c:
+        with for_range(0, sums.shape[0]) as c:
             sums[c] = 0.0
-            with each(0, parts) as k:
+            with for_range(0, parts) as k:
                 sums[c] += strips.nodal[k, c]
 
     def of_part(k, zero, nodes, strips, velocity, massless, kick, leap, begin, end):
@@ -69,25 +66,26 @@ def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
     """Passes by name, with those that together bring particles to the grid, and these again for bases that fit what they have."""
     passes = {one.__name__: one for one in of_particles + of_nodes}
 
-    def all_to_grid(scheme, grid, particles, nodes, strips, *step) -> int:
+    def all_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
         passes["clear"](grid.lower, nodes, strips, nodes.velocity, 0.0, 0.0, 0.0, strips.total[0], 0, nodes.inertia.shape[1])
         if len(grid.kind) == len(TLS):
-            with each(0, nodes.cells.shape[0]) as c:
+            with for_range(0, nodes.cells.shape[0]) as c:
                 nodes.cells[c, POPULATION] = 0.0
-            passes["fit_cells"](scheme, grid, particles, nodes, strips, *step)
-            passes["spread_fits"](scheme, grid, particles, nodes, strips, *step)
-        return passes["particles_to_grid"](scheme, grid, particles, nodes, strips, *step)
+            passes["fit_cells"](scheme, grid, particles, nodes, strips, s, step)
+            passes["spread_fits"](scheme, grid, particles, nodes, strips, s, step)
+        return passes["particles_to_grid"](scheme, grid, particles, nodes, strips, s, step)
 
-    twice = once(all_to_grid)
+    twice = outlined(all_to_grid)
 
-    def to_grid(scheme, grid, *rest) -> int:
-        return twice(scheme, grid, *rest) if len(grid.kind) == len(TLS) else all_to_grid(scheme, grid, *rest)
+    def to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
+        once = twice if len(grid.kind) == len(TLS) else all_to_grid
+        return once(scheme, grid, particles, nodes, strips, s, step)
 
-    def fits_to_grid(scheme, grid, *rest) -> int:
-        return twice(scheme, grid, *rest) if len(grid.kind) == len(TLS) else PASSED
+    def fits_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
+        return twice(scheme, grid, particles, nodes, strips, s, step) if len(grid.kind) == len(TLS) else PASSED
 
     again = {"to_grid": traced(to_grid), "fits_to_grid": traced(fits_to_grid)}
-    return passes | again | {"strain_particles": once(passes["strain_particles"])}
+    return passes | again | {"strain_particles": outlined(passes["strain_particles"])}
 
 
 OF_PARTICLES = [particles_to_grid, grid_to_particles, strain_particles, smooth, arrange, fit_cells, spread_fits]
@@ -95,7 +93,7 @@ OF_NODES = [clear, nodal_velocity, accelerate, kick_nodes]
 IN_TURN = _with_grid(OF_PARTICLES, OF_NODES) | {"sort": no_sort}
 """What the loop calls, in one thread and over one strip."""
 IN_THREADS = _with_grid([_over_strips(one) for one in OF_PARTICLES], [_over_parts(one) for one in OF_NODES]) | {
-    "sort": once(sort)
+    "sort": outlined(sort)
 }
 """The same over several."""
 to_grid, fits_to_grid = IN_TURN["to_grid"], IN_TURN["fits_to_grid"]

@@ -8,10 +8,7 @@ import operator
 from functools import reduce
 from math import pi
 
-from .elementary import acos, asinh, atanh, cos, log
-from .lanes import largest, least, root
-from .tracing import traced
-from .values import where
+from ..tracing import acos, asinh, atanh, cos, log, maximum, minimum, sqrt, traced, where
 from .vectors import DIMENSION, cross, dot
 
 # What is a number or lanes has no annotation.
@@ -139,7 +136,7 @@ def logarithm(b: Symmetric, J: float) -> Symmetric:
         return (2 * log(J),)
     if len(b) == 3:
         m, half = 0.5 * (b[0] + b[1]), 0.5 * (b[0] - b[1])
-        r = root(half * half + b[2] * b[2])
+        r = sqrt(half * half + b[2] * b[2])
         q = where(r > 0, asinh(r / J) / r, 1 / J)
         return shifted(log(J) - q * m, q, b)
     return interpolated_logarithm(b)
@@ -176,8 +173,8 @@ def eigenvalues(b: Symmetric) -> tuple[float, float, float]:
     """Eigenvalues in descending order of a symmetric tensor in three dimensions."""
     m = trace(b) / 3
     deviator = shifted(-m, 1.0, b)
-    p = root(ddot(deviator, deviator) / 6)
+    p = sqrt(ddot(deviator, deviator) / 6)
     cosine = where(p > 0, 0.5 * det(full(shifted(0.0, 1 / p, deviator))), 1.0)
-    angle = acos(least(largest(cosine, -1.0), 1.0)) / 3
+    angle = acos(minimum(maximum(cosine, -1.0), 1.0)) / 3
     x, z = m + 2 * p * cos(angle), m + 2 * p * cos(angle + 2 * pi / 3)
     return x, 3 * m - x - z, z

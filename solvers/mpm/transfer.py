@@ -3,10 +3,10 @@
 Values of nodes (C, n) are counted with x fastest.
 """
 
-from .memory import add_field, gathered, gathered_by
+from ..tracing import traced
+from .nodes import add_field, gathered, gathered_by
 from .state import Grid
 from .stencil import corner
-from .tracing import traced
 from .vectors import axpy, combination, dyad, null, scale
 
 # Tuples whose length decides what a function returns have no annotation.

@@ -3,8 +3,7 @@
 import operator
 from functools import reduce
 
-from .lanes import largest
-from .tracing import traced
+from ..tracing import maximum, traced
 
 # What is a number or lanes has no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -84,7 +83,7 @@ def constant(a: float, like: Vector) -> Vector:
 @traced
 def quotient(a: float, x: Vector) -> Vector:
     """Each a/x; nothing of nothing, at x = 0."""
-    return tuple(a / largest(p, TINY) for p in x)
+    return tuple(a / maximum(p, TINY) for p in x)
 
 
 @traced

@@ -1,4 +1,4 @@
-"""Traced functions: compiled, they are what they are to Python, and what they cannot be compiled to is refused."""
+"""Traced functions: compiled and in plain Python they return the same, and what cannot be compiled is refused."""
 
 from typing import NamedTuple
 
@@ -9,12 +9,30 @@ from hypothesis import strategies as st
 from numba import njit
 from numba.core.errors import TypingError
 
-from mpmverify.solvers.mpm.elementary import acos, asinh, atanh, cos, exp, expm1, log, power
-from mpmverify.solvers.mpm.flow import each
-from mpmverify.solvers.mpm.lanes import floor, lanes, largest, least, positive, taken, total, whole
-from mpmverify.solvers.mpm.memory import rows
-from mpmverify.solvers.mpm.tracing import traced
-from mpmverify.solvers.mpm.values import COUNT, Four, where
+from mpmverify.solvers.tracing import (
+    LANES,
+    Consecutive,
+    acos,
+    all_positive,
+    as_integer,
+    asinh,
+    atanh,
+    cos,
+    exp,
+    expm1,
+    floor,
+    for_range,
+    load_rows,
+    log,
+    maximum,
+    minimum,
+    pack,
+    power,
+    reduce_sum,
+    traced,
+    unpack,
+    where,
+)
 
 numbers = st.floats(-1e3, 1e3)
 
@@ -31,9 +49,9 @@ def arithmetic(x, y, n, pair, deep):
     there = (x < y) & (n >= 0) | (x <= -1.0)
     return (
         (x + y, x - 2, 2.5 * x, y * n, x / 4, n / 3, 1 / (y * y + 1), 3 - x, -y, a + b * c),
-        (k, n % 4, whole(x), 7 - n, 5),
-        Pair(where(there, x, y), where(x > y, floor(x), largest(x, least(y, 0.5)))),
-        (there, positive(x)),
+        (k, n % 4, as_integer(x), 7 - n, 5),
+        Pair(where(there, x, y), where(x > y, floor(x), maximum(x, minimum(y, 0.5)))),
+        (there, all_positive(x)),
         (),
     )
 
@@ -44,7 +62,7 @@ def compiled(x, y, n, pair, deep):
 
 
 @given(numbers, numbers, st.integers(0, 9), numbers, numbers)
-def test_compiled_a_function_is_what_it_is_to_python(x, y, n, a, b):
+def test_a_compiled_function_returns_what_python_does(x, y, n, a, b):
     arguments = x, y, n, Pair(a, b), (b, (a,))
     found, expected = compiled(*arguments), arithmetic(*arguments)
     assert found == expected
@@ -56,21 +74,21 @@ def test_compiled_a_function_is_what_it_is_to_python(x, y, n, a, b):
 @traced
 def of_lanes(x, y, n):
     some = where(x > y, x * 2, y - x) + n
-    return (some, largest(some, 0.0), -x / y, 1.5), total(some), positive(x)
+    return (some, maximum(some, 0.0), -x / y, 1.5), reduce_sum(some), all_positive(x)
 
 
 @traced
 def one_by_one(values):
-    return tuple(zip(*(taken(value, COUNT) for value in values), strict=True))
+    return tuple(zip(*(unpack(value, LANES) for value in values), strict=True))
 
 
 @njit
 def each_of_four(x, y, n):
-    values, summed, above = of_lanes(lanes(x), lanes(y), n)
+    values, summed, above = of_lanes(pack(x), pack(y), n)
     return one_by_one(values), summed, above
 
 
-fours = st.tuples(*[numbers.filter(lambda x: abs(x) > 1e-3)] * COUNT)
+fours = st.tuples(*[numbers.filter(lambda x: abs(x) > 1e-3)] * LANES)
 
 
 @given(fours, fours, st.integers(0, 5))
@@ -90,14 +108,14 @@ def elementary_functions(x, y):
 
 @njit
 def elementary_functions_of_four(x, y):
-    return one_by_one(elementary_functions(lanes(x), lanes(y))), elementary_functions(x[0], y[0])
+    return one_by_one(elementary_functions(pack(x), pack(y))), elementary_functions(x[0], y[0])
 
 
 unit = st.floats(-0.999, 0.999)
 positives = st.floats(1e-3, 1e3)
 
 
-@given(st.tuples(*[unit] * COUNT), st.tuples(*[positives] * COUNT))
+@given(st.tuples(*[unit] * LANES), st.tuples(*[positives] * LANES))
 def test_elementary_functions_are_those_of_python(x, y):
     found, of_the_first = elementary_functions_of_four(x, y)
     expected = [elementary_functions(a, b) for a, b in zip(x, y, strict=True)]
@@ -106,7 +124,7 @@ def test_elementary_functions_are_those_of_python(x, y):
 
 
 def test_elementary_functions_are_nan_where_they_are_not_defined():
-    outside, _ = elementary_functions_of_four((2.0,) * COUNT, (-1.0,) * COUNT)
+    outside, _ = elementary_functions_of_four((2.0,) * LANES, (-1.0,) * LANES)
     of_x, of_y = outside[0][:2], outside[0][7:9]
     assert np.isnan([*of_x, *of_y]).all()
 
@@ -114,11 +132,11 @@ def test_elementary_functions_are_nan_where_they_are_not_defined():
 @traced
 def sums(A, places, total, begin, end):
     """Rows of A by their places into one, and four columns at a time twice."""
-    with each(begin, end) as i:
-        with each(i, i + 3) as _:
+    with for_range(begin, end) as i:
+        with for_range(i, i + 3) as _:
             total[0] += A[places[i], 0]
-        with each(0, A.shape[1], COUNT) as k:
-            total[Four(k)] = total[Four(k)] + 2 * A[places[i], Four(k)]
+        with for_range(0, A.shape[1], LANES) as k:
+            total[Consecutive(k)] = total[Consecutive(k)] + 2 * A[places[i], Consecutive(k)]
 
 
 @njit
@@ -126,7 +144,7 @@ def summed(A, places, total, begin, end):
     sums(A, places, total, begin, end)
 
 
-def test_loops_over_arrays_do_what_they_say():
+def test_loops_over_arrays():
     A, places = np.random.default_rng(1).normal(size=(5, 8)), np.array([4, 0, 3], dtype=np.int32)
     found, expected = np.zeros(8), 2 * A[[0, 3]].sum(axis=0)
     summed(A, places, found, 1, 3)
@@ -160,12 +178,12 @@ def writing(x):
 
 @traced
 def writing_four(x):
-    x[Four(0)] = 1.0
+    x[Consecutive(0)] = 1.0
 
 
 @traced
 def reading_rows(x):
-    return rows(x, (0, 1, 2, 3), 0, (0.0, 0.0))
+    return load_rows(x, (0, 1, 2, 3), 0, (0.0, 0.0))
 
 
 @traced
@@ -179,7 +197,7 @@ def reading_beyond(x):
 
 
 @traced
-def adding_truths(x):
+def adding_booleans(x):
     return (x > 0) + (x > 1)
 
 
@@ -199,7 +217,7 @@ def read_only(x):
         (branching, 1.0),
         (comparing, 1.0),
         (smallest, 1.0),
-        (adding_truths, 1.0),
+        (adding_booleans, 1.0),
         (remainder, 1.5),
         (writing, np.zeros(4, dtype=np.int64)),
         (writing, read_only(np.zeros(4))),
@@ -210,10 +228,15 @@ def read_only(x):
         (reading_beyond, np.zeros((2, 2))),
     ],
 )
-def test_what_is_no_arithmetic_of_values_is_refused(function, argument):
+def test_branches_and_wrong_types_are_refused(function, argument):
     """None of them is compiled to one of its branches, or to bits of the wrong type."""
     with pytest.raises((TypingError, TypeError)):
         njit(lambda x: function(x))(argument)
+
+
+def test_a_traced_function_takes_a_fixed_number_of_arguments():
+    with pytest.raises(TypeError, match="any number of arguments"):
+        traced(lambda *some: some[0])
 
 
 @traced

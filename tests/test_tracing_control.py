@@ -1,6 +1,5 @@
-"""Loops and branches of traced functions, and what these write beside their own code: for several calls, or for threads."""
+"""Loops and branches of traced functions, functions that calls share, and what is refused."""
 
-import numba
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,54 +8,65 @@ from numba import njit
 from numba.core.errors import TypingError
 
 from mpmverify.selftest.trip import trip
-from mpmverify.solvers.mpm.flow import Kept, as_long_as, each, either, one_of, walk, when
-from mpmverify.solvers.mpm.lanes import built as lanes
-from mpmverify.solvers.mpm.lanes import total
-from mpmverify.solvers.mpm.outline import in_threads, once
-from mpmverify.solvers.mpm.tracing import traced
-from mpmverify.solvers.mpm.values import equal, opposite, where
+from mpmverify.solvers.tracing import (
+    Variable,
+    cond,
+    equal,
+    for_range,
+    for_strides,
+    logical_not,
+    outlined,
+    pack,
+    parallel_for,
+    reduce_sum,
+    switch,
+    traced,
+    when,
+    where,
+    while_loop,
+)
 
 whole_numbers = st.integers(-20, 20)
 
 
 @traced
 def collatz(n):
-    steps, at = Kept(0, n), Kept(n)
-    with as_long_as(n.builder, lambda: at.value > 1):
-        at.value = either(equal(at.value % 2, 0), lambda: at.value // 2, lambda: 3 * at.value + 1)
+    steps, at = Variable(0, n), Variable(n)
+    with while_loop(lambda: at.value > 1, like=n):
+        at.value = cond(equal(at.value % 2, 0), lambda: at.value // 2, lambda: 3 * at.value + 1)
         steps.value += 1
     return steps.value
 
 
 @traced
 def strides(begin, end, length, visited):
-    with walk(begin, end) as (p, go_on):
+    with for_strides(begin, end) as (p, advance):
         visited[p] = visited[p] + 1
-        with when(opposite(p < length)):
+        with when(logical_not(p < length)):
             visited[p] = -1
-        go_on(length)
+        advance(length)
 
 
 @traced
 def of_numbers_of_python(x):
-    total = Kept(0.0, x[0])
-    with each(0, 3, like=x) as i, each(0, 2, like=x) as _:
+    total = Variable(0.0, x[0])
+    with for_range(0, 3, like=x) as i, for_range(0, 2, like=x) as _:
         total.value += x[i]
     return total.value
 
 
 @traced
 def merged(x, n):
-    return either(x > 0, lambda: (x * 2, (n + 1, True), 1), (1.5, (7, x < -1), 2.5))
+    return cond(x > 0, lambda: (x * 2, (n + 1, True), 1), (1.5, (7, x < -1), 2.5))
 
 
-def test_a_loop_goes_on_as_long_as_it_should():
+def test_a_while_loop_ends_when_its_condition_fails():
     count = njit(lambda n: collatz(n))
     assert [count(n) for n in (1, 2, 3, 6, 7, 27)] == [0, 1, 7, 8, 16, 111]
 
 
 @given(st.integers(0, 9), st.integers(0, 12), st.integers(1, 4))
-def test_a_walk_takes_the_strides_that_it_is_told(begin, end, length):
+def test_a_loop_takes_the_strides_that_its_body_chooses(begin, end, length):
     visited = np.zeros(12, dtype=np.int32)
     compiled_strides(begin, end, length, visited)
     expected = np.zeros(12, dtype=np.int32)
@@ -73,17 +83,17 @@ def test_a_loop_between_numbers_of_python():
 
 
 @given(st.floats(-5, 5), whole_numbers)
-def test_one_of_two_ways_is_taken(x, n):
+def test_cond_runs_one_of_two_branches(x, n):
     assert compiled_merged(x, n) == ((x * 2, (n + 1, True), 1.0) if x > 0 else (1.5, (7, x < -1), 2.5))
 
 
 @traced
 def numbered(n, x):
-    return one_of(n, {1: lambda: (x, n), 4: lambda: (2 * x, n + 1), 0: (0.5, 7)}, lambda: (-x, -n))
+    return switch(n, {1: lambda: (x, n), 4: lambda: (2 * x, n + 1), 0: (0.5, 7)}, lambda: (-x, -n))
 
 
 @given(st.integers(-2, 6), st.floats(-5, 5))
-def test_one_of_many_ways_is_taken_by_its_number(n, x):
+def test_switch_runs_the_branch_of_a_number(n, x):
     expected = {1: (x, n), 4: (2 * x, n + 1), 0: (0.5, 7)}.get(n, (-x, -n))
     assert compiled_numbered(n, x) == numbered(n, x) == expected
 
@@ -93,19 +103,19 @@ compiled_numbered = njit(lambda n, x: numbered(n, x))
 
 @traced
 def of_two_kinds(x, n):
-    return either(x > 0, x, n), either(n > 0, lambda: total(lanes((x, x, 1.0, 2.0)) + either(n > 1, x, lanes((x, 1, 2, 3)))), 0)
+    return cond(x > 0, x, n), cond(n > 0, lambda: reduce_sum(pack((x, x, 1.0, 2.0)) + cond(n > 1, x, pack((x, 1, 2, 3)))), 0)
 
 
 @pytest.mark.parametrize(("x", "n", "expected"), [(1.5, 2, (1.5, 12.0)), (-1.5, 1, (1.0, 4.5)), (-1.5, 0, (0.0, 0.0))])
-def test_ways_lead_to_what_can_hold_either(x, n, expected):
+def test_branches_of_two_kinds_are_promoted(x, n, expected):
     found = njit(lambda x, n: of_two_kinds(x, n))(x, n)
     assert found == expected
     assert [type(value) for value in found] == [float, float]
 
 
 @traced
-def truth_or_number(x):
-    return either(x > 0, x > 1, x)
+def boolean_or_number(x):
+    return cond(x > 0, x > 1, x)
 
 
 @traced
@@ -118,48 +128,48 @@ def out_of_its_branch(x, y):
 
 @traced
 def from_outside(x, y):
-    with in_threads(where(x > 0, 1, 2), (y,)) as (k, (there,)):
+    with parallel_for(where(x > 0, 1, 2), (y,)) as (k, (there,)):
         there[k] = x
 
 
 @traced
-def by_a_truth_from_outside(x, y):
+def by_a_condition_from_outside(x, y):
     outside = x > 1
-    with in_threads(where(x > 0, 1, 2), (y,)) as (k, (there,)), when((k < 2) & outside):
+    with parallel_for(where(x > 0, 1, 2), (y,)) as (k, (there,)), when((k < 2) & outside):
         there[k] = 1.0
 
 
 @traced
 def into_what_is_not_shared(x, y):
-    with in_threads(where(x > 0, 1, 2), ()) as (_, _):
+    with parallel_for(where(x > 0, 1, 2), ()) as (_, _):
         y[0] = 1.0
 
 
-def test_what_is_not_there_is_refused():
-    """Neither a value of another kind, nor one of a branch that was not taken, nor one of another function is ever computed with."""
-    with pytest.raises((TypingError, TypeError), match="i1 is no double"):
-        njit(lambda x: truth_or_number(x))(1.0)
+def test_values_that_are_not_there_are_refused():
+    """A value of another kind, of a branch that was not taken, or of another function never gets into the code."""
+    with pytest.raises((TypingError, TypeError), match="type i1 cannot become one of type double"):
+        njit(lambda x: boolean_or_number(x))(1.0)
     with pytest.raises(RuntimeError, match="does not dominate"):
         njit(lambda x, y: out_of_its_branch(x, y))(1.0, np.ones(1))
     with pytest.raises((TypingError, TypeError), match="another function"):
         njit(lambda x, y: from_outside(x, y))(1.0, np.ones(2))
     with pytest.raises((TypingError, TypeError), match="another function"):
-        njit(lambda x, y: by_a_truth_from_outside(x, y))(1.0, np.ones(2))
-    with pytest.raises((TypingError, TypeError), match="did not share"):
+        njit(lambda x, y: by_a_condition_from_outside(x, y))(1.0, np.ones(2))
+    with pytest.raises((TypingError, TypeError), match="not shared with it"):
         njit(lambda x, y: into_what_is_not_shared(x, y))(1.0, np.ones(2))
 
 
 calls = []
 
 
-@once
+@outlined
 def counted(x, pair, array) -> int:
     calls.append(1)
     array[0] += x * pair[0]
     return where(x > pair[1], 1, 0)
 
 
-def test_what_is_written_once_is_called_with_what_each_call_gives_it():
+def test_an_outlined_function_is_traced_once_and_called_with_the_arguments_of_each_call():
     @njit
     def twice(x, y, array, other):
         return counted(x, (y, 1.0), array), counted(2 * x, (x, y), other)
@@ -176,13 +186,13 @@ def with_a_number_of_python(x, array):
     return counted(x, (2.0, x), array)
 
 
-def test_what_is_written_once_takes_no_number_of_python():
+def test_an_outlined_function_takes_no_number_of_python():
     with pytest.raises((TypingError, TypeError), match="number of Python"):
         njit(lambda x, array: with_a_number_of_python(x, array))(1.0, np.zeros(1))
 
 
 def _of_the_same_name():
-    @once
+    @outlined
     def counted(x, pair, array) -> int:
         array[0] = -x
         return 2
@@ -193,7 +203,7 @@ def _of_the_same_name():
 other = _of_the_same_name()
 
 
-def test_each_function_that_is_written_once_is_one_and_its_calls_are_alike():
+def test_outlined_functions_of_one_name_are_two_and_calls_of_one_take_the_same_types():
     @njit
     def both(x, array):
         return counted(x, (x, x), array), other(x, (x, x), array)
@@ -206,7 +216,7 @@ def test_each_function_that_is_written_once_is_one_and_its_calls_are_alike():
     def unlike(x, n, array):
         return counted(x, (x, x), array), counted(n, (x, x), array)
 
-    with pytest.raises((TypingError, TypeError), match="other types"):
+    with pytest.raises((TypingError, TypeError), match="arguments of the same types"):
         unlike(1.0, 2, np.zeros(1))
 
 
@@ -216,7 +226,7 @@ def by_law(number, x):
         trip(locals())
         return 2 * x
 
-    return one_of(number, {1: lambda: x, 2: second}, 0.0)
+    return switch(number, {1: lambda: x, 2: second}, 0.0)
 
 
 @traced
@@ -225,34 +235,14 @@ def with_arrays_at_hand(number, values, places):
 
 
 @pytest.mark.parametrize(("number", "reached"), [(0, False), (1, False), (2, True)])
-def test_what_is_compiled_and_not_run_trips_nothing(number, reached):
-    """The self-test asks so whether a trial comes to a passage; one without arrays spoils those of the function that calls it."""
+def test_code_that_does_not_run_trips_nothing(number, reached):
+    """So the self-test finds out whether a trial runs a passage; one without arrays spoils those of the function that calls it."""
     values = np.array([1.0, 2.0, 3.0])
     njit(lambda n, values, places: with_arrays_at_hand(n, values, places))(number, values, np.arange(3))
     assert np.isnan(values[[0, 2]]).all() == reached
     assert np.array_equal(values[[0, 2]], [1.0, 3.0]) != reached
 
 
-def test_a_trip_without_any_array_is_one_at_once():
+def test_a_trip_without_any_array_raises():
     with pytest.raises(ArithmeticError):
         trip({"x": 1.0})
-
-
-@traced
-def in_rounds(count, A, scale, truth):
-    with in_threads(count, (A, (scale, truth))) as (k, (array, (factor, more))), each(0, array.shape[1]) as c:
-        array[k, c] += factor * k + where(more, 1.0, 0.0)
-
-
-@pytest.mark.parametrize("threads", [1, numba.config.NUMBA_NUM_THREADS])
-@pytest.mark.parametrize("count", [0, 1, 3, 17])
-def test_each_round_runs_once_in_however_many_threads(count, threads):
-    rounds = njit(nogil=True)(lambda count, A, scale, truth: in_rounds(count, A, scale, truth))
-    numba.set_num_threads(threads)
-    try:
-        A = np.zeros((20, 3))
-        rounds(count, A, 0.5, True)
-    finally:
-        numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
-    expected = np.where(np.arange(20) < count, 0.5 * np.arange(20) + 1, 0.0)
-    assert np.array_equal(A, np.repeat(expected[:, None], 3, axis=1))

@@ -1,0 +1,174 @@
+"""Values of compiled code: to compute with a `Value` emits LLVM instructions."""
+
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.extending import models, register_model
+
+LANES = 4
+"""Number of lanes of a vector."""
+
+
+class LanesType(types.Type):
+    """Numba's type of a vector of doubles, one for each lane."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Lanes")
+
+
+LANES_TYPE = LanesType()
+BOOLEAN, INTEGER, DOUBLE = ir.IntType(1), ir.IntType(64), ir.DoubleType()
+VECTOR = ir.VectorType(DOUBLE, LANES)
+KINDS: tuple[tuple[ir.Type, types.Type], ...] = (
+    (BOOLEAN, types.boolean),
+    (INTEGER, types.intp),
+    (DOUBLE, types.float64),
+    (VECTOR, LANES_TYPE),
+)
+"""Kinds of values in order of promotion, each with its type in numba."""
+
+
+@register_model(LanesType)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, lanes: LanesType) -> None:
+        super().__init__(manager, lanes, VECTOR)
+
+
+class Value:
+    """A boolean, an integer, a double or a vector of doubles of compiled code; its operators emit instructions."""
+
+    def __init__(self, builder: ir.IRBuilder, code: ir.Value) -> None:
+        self.builder, self.code = builder, code
+
+    def _operated(self, instruction: str, x: Any, y: Any) -> "Value":
+        a, b = promoted(self.builder, x, y)
+        if a.type == BOOLEAN:
+            raise TypeError("booleans have no arithmetic: select numbers with `where`")
+        emit = getattr(self.builder, instruction if a.type == INTEGER else f"f{instruction}")
+        return Value(self.builder, emit(a, b))
+
+    def _compared(self, predicate: str, y: Any) -> "Value":
+        a, b = promoted(self.builder, self, y)
+        compare = self.builder.icmp_signed if a.type == INTEGER else self.builder.fcmp_ordered
+        return Value(self.builder, compare(predicate, a, b))
+
+    def __add__(self, y: Any) -> "Value":
+        return self._operated("add", self, y)
+
+    def __radd__(self, x: Any) -> "Value":
+        return self._operated("add", x, self)
+
+    def __sub__(self, y: Any) -> "Value":
+        return self._operated("sub", self, y)
+
+    def __rsub__(self, x: Any) -> "Value":
+        return self._operated("sub", x, self)
+
+    def __mul__(self, y: Any) -> "Value":
+        return self._operated("mul", self, y)
+
+    def __rmul__(self, x: Any) -> "Value":
+        return self._operated("mul", x, self)
+
+    def _divided(self, instruction: str, y: Any) -> "Value":
+        a, b = promoted(self.builder, self, y)
+        if a.type != INTEGER:
+            raise TypeError("// and % take integers only: use `floor` for doubles")
+        return Value(self.builder, getattr(self.builder, instruction)(a, b))
+
+    def __mod__(self, y: Any) -> "Value":
+        """Remainder of integers that are not negative."""
+        return self._divided("urem", y)
+
+    def __floordiv__(self, y: Any) -> "Value":
+        """Quotient of integers that are not negative."""
+        return self._divided("udiv", y)
+
+    def __truediv__(self, y: Any) -> "Value":
+        return self._operated("div", as_double(self), y)
+
+    def __rtruediv__(self, x: Any) -> "Value":
+        return self._operated("div", x, as_double(self))
+
+    def __neg__(self) -> "Value":
+        negate = self.builder.neg if self.code.type == INTEGER else self.builder.fneg
+        return Value(self.builder, negate(self.code))
+
+    def __lt__(self, y: Any) -> "Value":
+        return self._compared("<", y)
+
+    def __le__(self, y: Any) -> "Value":
+        return self._compared("<=", y)
+
+    def __gt__(self, y: Any) -> "Value":
+        return self._compared(">", y)
+
+    def __ge__(self, y: Any) -> "Value":
+        return self._compared(">=", y)
+
+    def __and__(self, y: "Value") -> "Value":
+        return Value(self.builder, self.builder.and_(self.code, as_code(self.builder, y, self.code.type)))
+
+    def __or__(self, y: "Value") -> "Value":
+        return Value(self.builder, self.builder.or_(self.code, as_code(self.builder, y, self.code.type)))
+
+    def __bool__(self) -> bool:
+        raise TypeError("a traced function cannot branch on a value: use `where`, `cond` or `when`")
+
+    def __eq__(self, y: object) -> bool:
+        raise TypeError("values are not compared by ==, which Python may take for identity: use `equal`")
+
+
+def as_code(builder: ir.IRBuilder, x: Any, kind: ir.Type) -> ir.Value:
+    """Code of a number or a value, promoted to a kind.
+
+    Raises
+    ------
+    TypeError
+        If the kind cannot hold the value, or the value belongs to another function.
+    """
+    if not isinstance(x, Value):
+        return ir.Constant(kind, [float(x)] * LANES if kind == VECTOR else x)
+    if x.builder.function is not builder.function:
+        raise TypeError(
+            "a value of another function cannot be used here: pass it as an argument, or to `parallel_for` as shared"
+        )
+    code = x.code
+    if code.type == INTEGER and kind in (DOUBLE, VECTOR):
+        code = builder.sitofp(code, DOUBLE)
+    code = broadcast(builder, code) if kind == VECTOR else code
+    if code.type != kind:
+        raise TypeError(f"a value of type {code.type} cannot become one of type {kind}")
+    return code
+
+
+def promoted(builder: ir.IRBuilder, *items: Any) -> list[ir.Value]:
+    """Code of numbers and values, all promoted to the highest of their kinds."""
+    kind = KINDS[max(rank(x) for x in items)][0]
+    return [as_code(builder, x, kind) for x in items]
+
+
+def rank(x: Any) -> int:
+    """Index in `KINDS` of the kind of a number or a value."""
+    if isinstance(x, Value):
+        return [kind for kind, _ in KINDS].index(x.code.type)
+    return 0 if isinstance(x, bool) else 1 if isinstance(x, int) else 2
+
+
+def as_double(x: Any) -> Any:
+    """Promote an integer value to a double; anything else stays as it is."""
+    return Value(x.builder, as_code(x.builder, x, DOUBLE)) if isinstance(x, Value) and x.code.type == INTEGER else x
+
+
+def broadcast(builder: ir.IRBuilder, code: ir.Value) -> ir.Value:
+    """Copy a scalar to every lane; a vector stays as it is."""
+    if isinstance(code.type, ir.VectorType):
+        return code
+    first = builder.insert_element(ir.Constant(ir.VectorType(code.type, LANES), ir.Undefined), code, cgutils.int32_t(0))
+    return shuffle(builder, first, first, [0] * LANES)
+
+
+def shuffle(builder: ir.IRBuilder, a: ir.Value, b: ir.Value, lanes: list[int]) -> ir.Value:
+    """Vector of chosen lanes of two vectors; the lanes of the second are counted on from those of the first."""
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(cgutils.int32_t, len(lanes)), lanes))

@@ -1,0 +1,40 @@
+"""The page of the handbook on traced functions: its example runs and prints what the page says."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from mpmverify.solvers import tracing
+
+PAGE = Path(__file__).parent.parent / "reports" / "handbook" / "tracing.md"
+
+
+@pytest.fixture(scope="module")
+def page():
+    return PAGE.read_text(encoding="utf-8")
+
+
+def block(page, language):
+    """The only block of code of a language."""
+    (found,) = re.findall(rf"^```{language}\n(.*?)^```$", page, flags=re.DOTALL | re.MULTILINE)
+    return found
+
+
+def test_the_example_prints_what_the_page_says(page, capsys):
+    example = block(page, "python")
+    assert len(example.strip().splitlines()) <= 22
+    exec(compile(example, str(PAGE), "exec"), {"__name__": "example"})
+    assert capsys.readouterr().out == block(page, "text")
+
+
+def test_every_name_of_the_page_exists(page):
+    """Names in code font that are called, and those of the example, are of the package or of Python."""
+    said = set(re.findall(r"`(?:with )?([a-z_]+)\(", page))
+    of_python = {"float", "int"}
+    assert said - of_python <= set(tracing.__all__)
+    assert {"where", "cond", "switch", "while_loop", "for_range", "parallel_for", "outlined", "checksum"} <= set(
+        tracing.__all__
+    )
+    assert sorted(tracing.__all__) == sorted(set(tracing.__all__))
+    assert all(hasattr(tracing, name) for name in tracing.__all__)
