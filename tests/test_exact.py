@@ -276,7 +276,7 @@ def test_periodic_gaussian_is_smooth_where_the_domain_closes():
         (lambda: Transport(math.nan), "velocity of transport must be finite"),
         (lambda: Transport(math.inf), "velocity of transport must be finite"),
         (lambda: dataclasses.replace(advection().problem, outputs=0), "at least 1 output interval, not 0"),
-        (lambda: dataclasses.replace(advection().problem, lower=(), upper=(), boundary={}), "give the box a side"),
+        (lambda: dataclasses.replace(advection().problem, lower=(), upper=(), boundary={}), "give the box one to three sides"),
         (lambda: dataclasses.replace(advection().problem, lower=(1.0,)), "upper bounds above its lower bounds"),
         *(
             (lambda material=material, values=values: material(*values), "must be positive and finite, and -1 < nu < 1/2: ")
