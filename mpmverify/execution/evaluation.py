@@ -1,12 +1,9 @@
 """One run from its declaration to its row in the study: solved or read back, compared with the exact solution."""
 
 import dataclasses
-import math
-import textwrap
 import traceback
 from collections.abc import Hashable
 from dataclasses import dataclass
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +17,9 @@ from mpmverify.dataset.runs import read_run, write_run
 from mpmverify.dataset.snapshots import Snapshots
 from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.exact import VerificationProblem
+from mpmverify.execution.contract import breach, confirmed, malformed, plain
 from mpmverify.execution.keys import digest, in_library
 from mpmverify.problem import Discretisation
-from mpmverify.problem.quantities import components, history_units
 from mpmverify.solution import Outcome, Solution, Solver, Status
 
 SNAPSHOT_OUTPUTS = 32
@@ -120,7 +117,7 @@ def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discre
 
 def failed(task: Task, status: Status, detail: str) -> Evaluated:
     """Row of a run that left no solution: it crashed or timed out. Nothing is stored, so that it is tried again."""
-    return Evaluated(_level(task, Outcome(status, _plain(detail))), solved=True)
+    return Evaluated(_level(task, Outcome(status, plain(detail))), solved=True)
 
 
 def evaluate(task: Task) -> Evaluated:
@@ -138,10 +135,10 @@ def evaluate(task: Task) -> Evaluated:
     try:
         if solved:
             solution = task.solver.solve(task.problem.problem, task.discretisation)
-            if wrong := _contradiction(task, solution):
+            if wrong := malformed(solution, task.problem.problem.dimension):
                 return failed(task, Status.CRASHED, wrong)
-            solution = dataclasses.replace(solution, outcome=_confirmed(solution))
-            if wrong := _breach(task, solution):
+            solution = dataclasses.replace(solution, outcome=confirmed(solution))
+            if wrong := breach(solution, task.problem.problem, task.discretisation):
                 return failed(task, Status.CRASHED, wrong)
             write_run(path, task.key, solution, str(task))
         else:
@@ -158,74 +155,6 @@ def place(error: BaseException) -> str:
     frames = traceback.extract_tb(error.__traceback__)[1:] or traceback.extract_tb(error.__traceback__)
     where = next((frame for frame in reversed(frames) if not in_library(Path(frame.filename))), frames[-1])
     return f"{Path(where.filename).name}:{where.lineno}"
-
-
-def _contradiction(task: Task, solution: Any) -> str:
-    """Say why what a solver returned has not the form of a solution; "" when it has."""
-    if not isinstance(solution, Solution):
-        return f"it returned {type(solution).__name__} instead of a Solution"
-    if wrong := solution.inconsistency():
-        return f"it returned an inconsistent solution: {wrong}"
-    dimension = task.problem.problem.dimension
-    if solution.reference.shape[1] != dimension:
-        return f"its points have {solution.reference.shape[1]} coordinates in {dimension} dimensions"
-    known = history_units(dimension)
-    if unknown := sorted(solution.histories.keys() - known.keys()):
-        return f"it returned the unknown history {unknown[0]!r}: known are {', '.join(known)}"
-    for quantity, values in solution.fields.items():
-        names = components(quantity, dimension)
-        if values.shape[2] != len(names):
-            return f"its {quantity} has {values.shape[2]} components instead of {', '.join(names)}"
-    if not (_is_number(solution.dt) and math.isfinite(solution.dt) and solution.dt > 0):
-        return f"its time step dt is {solution.dt!r}, which is not positive and finite"
-    for name, value in dataclasses.asdict(solution.work).items():
-        if not (_is_number(value) and math.isfinite(value) and value >= 0):
-            return f"its work has {name} = {value!r}, which is no finite number from 0"
-    return ""
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool | np.bool_)
-
-
-def _breach(task: Task, solution: Solution) -> str:
-    """Say how a completed solution, finite and of the right form, breaks the contract of `Solution`; "" when it keeps it."""
-    if not solution.outcome.completed:
-        return ""
-    problem, level = task.problem.problem, task.discretisation
-    end = problem.end_time
-    if solution.dt * problem.material.wave_speed > level.courant * level.h * (1 + 1e-6):
-        limit = level.courant * level.h / problem.material.wave_speed
-        return f"its time step is {solution.dt:.9g} s, above the limit of {limit:.9g} s at the Courant number {level.courant:g}"
-    for what, times in (("output", solution.time), ("history", solution.histories["time"])):
-        if times[0] != 0:
-            return f"its first {what} is at {times[0]:g} s instead of 0"
-        if not np.all(np.diff(times) > 0):
-            return f"its {what} times do not rise strictly"
-        if abs(times[-1] - end) > 1e-9 * end:
-            return f"it reports completion, but its last {what} is at {times[-1]:.12g} s and the final time is {end:.12g} s"
-    if np.any(solution.weight < 0):
-        return f"its weights are negative, down to {np.min(solution.weight):g}"
-    covered, measure = float(np.sum(solution.weight[0])), problem.measure
-    if abs(covered - measure) > 1e-6 * measure:
-        what = "box" if problem.shape is None else "body"
-        return f"its first weights sum to {covered:.9g}, and the measure of the {what} is {measure:.9g}"
-    return ""
-
-
-def _confirmed(solution: Solution) -> Outcome:
-    """Outcome of a solution, which is non-finite when the solver has not noticed that it is."""
-    outcome = solution.outcome
-    bad = [name for name, values in solution.arrays().items() if not np.all(np.isfinite(values))]
-    if outcome.completed and bad:
-        return Outcome(Status.NON_FINITE, f"the solver reports completion, but {bad[0]} is not finite")
-    return Outcome(outcome.status, _plain(outcome.detail))
-
-
-def _plain(text: str) -> str:
-    """One line that every file format and every terminal takes."""
-    encodable = text.encode("utf-8", "replace").decode()
-    return textwrap.shorten("".join(char for char in encodable if char.isprintable() or char.isspace()), 500)
 
 
 def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:
