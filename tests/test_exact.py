@@ -228,7 +228,7 @@ def test_problems_are_frozen_values_that_travel_to_workers(verification):
             if dataclasses.is_dataclass(content):
                 data.append(content)
             else:
-                assert isinstance(content, int | float)
+                assert isinstance(content, int | float | str)
 
 
 @every_problem

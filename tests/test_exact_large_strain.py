@@ -261,7 +261,7 @@ def test_a_small_motion_needs_the_force_of_linear_elasticity(poissons_ratio):
 
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_a_ring_just_below_the_largest_amplitude_does_not_turn_inside_out(sign):
-    verification = expanding_ring(sign * 0.999 * ring.LARGEST)
+    verification = expanding_ring(sign * 0.999 * ring.MAX_AMPLITUDE)
     R = np.linspace(ring.INNER, ring.OUTER, 201)
     X = np.stack([R, 0 * R], axis=1)
     t = np.linspace(0, verification.problem.end_time, 401)
@@ -338,7 +338,7 @@ def test_a_face_may_be_clamped():
     [
         (lambda: steffen(0.16), "amplitude"),
         (lambda: steffen(math.nan), "amplitude"),
-        (lambda: axis_aligned(1), "2 or 3 dimensions, not 1: in one it is the manufactured bar"),
+        (lambda: axis_aligned(1), "2 or 3 dimensions, not 1: use the manufactured bar in one dimension"),
         (lambda: axis_aligned(2, 0.32), "amplitude"),
         (lambda: axis_aligned(3, 0.0), "amplitude"),
         (lambda: expanding_ring(0.386), "amplitude"),
