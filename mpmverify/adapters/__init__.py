@@ -1,5 +1,4 @@
-"""Own code on the bench: what makes a solver of something else.
+"""Adapters: wrappers that give another solver or an external code the protocol of a `Solver`.
 
-Here belong wrappers that keep the protocol of a `Solver` around another solver or another code. Shipped schemes do not: they are in
-`mpmverify.solvers`.
+The shipped schemes are in `mpmverify.solvers`.
 """
