@@ -1,4 +1,4 @@
-"""The GeHoJerez deck: at a unit Courant number every Gauss-point value of every step is known without error."""
+"""The GeHoJerez deck: at a unit Courant number every Gauss-point value of every step is known exactly."""
 
 from mpmverify.criteria import Exact
 from mpmverify.exact.deck import deck

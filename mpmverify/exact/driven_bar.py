@@ -137,7 +137,8 @@ def driven_bar(
             },
             citation=CITATION,
         ),
-        exposes="Moved and loaded ends, the instant at which data are taken, the body force, and terms that vanish on a unit bar.",
+        exposes="Errors at moved and loaded ends, in the time at which data are evaluated, in the body force, and in terms that vanish "
+        "for unit properties.",
         equations=(
             r"\rho\, \partial_{tt} u = (\lambda + 2\mu)\, \partial_{XX} u + \rho b, \quad \sigma = (\lambda + 2\mu)\, \partial_X u",
             r"u(X,0) = 0, \quad \partial_t u(X,0) = \omega G \cos\psi \sin(k X + \varphi)",

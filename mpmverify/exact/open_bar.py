@@ -80,7 +80,7 @@ def open_bar(
             citation=CITATION,
             derivatives=load.derivatives,
         ),
-        exposes="Waves that an end should let out and reflects.",
+        exposes="Spurious reflections at an absorbing end.",
         equations=(
             r"\rho\, \partial_t v = \partial_x \sigma, \quad \partial_t \sigma = (\lambda + 2\mu)\, \partial_x v",
             r"\sigma(x,0) = v(x,0) = 0",
