@@ -2,16 +2,8 @@
 
 from mpmverify.problem import Array
 
-from ..tracing import all_positive, cond, floor, load_rows, reduce_sum, store_rows, traced, when, where
-from .constitution import (
-    dissipation,
-    finite_strain,
-    reference_stress,
-    small_strain,
-    strain_energy,
-    stress,
-    viscous,
-)
+from ..tracing import all_positive, cond, floor, load_rows, logical_not, reduce_sum, store_rows, traced, when, where
+from .constitution import Linear, dissipation, finite_strain, reference_stress, strain_energy, stress
 from .state import FAILED, HEAT, PASSED, STRAYED, Grid, Particles, Scheme, columns_of
 from .stencil import Group
 from .tensors import Symmetric, Tensor, deform, det, full
@@ -55,8 +47,8 @@ def strain(scheme: Scheme, particles: Particles, some: Group, increment: Tensor,
     before, sigma = strain_and_stress(particles, some.numbers, zero)
     F = deformed(scheme, increment, before)
     store_rows(state, some.numbers, column.F, F)
-    if len(law) > 1:
-        with when(viscous(law)):
+    if not isinstance(law, Linear):
+        with when(law.viscous):
             V = some.present * load_rows(state, some.numbers, column.volume, (0.0,))[0]
             J = where(scheme.total, 1.0, det(before))
             sums[HEAT] += reduce_sum(V * J * dissipation(law, constants, sigma, increment, dt))
@@ -93,4 +85,4 @@ def stored_energy(scheme: Scheme, particles: Particles, some: Group, zero: Vecto
 @traced
 def keeps_volume(scheme: Scheme) -> bool:
     """Whether a body keeps its volume: at small strain in material coordinates, where J may even be negative."""
-    return scheme.total & small_strain(scheme.law)
+    return scheme.total & logical_not(finite_strain(scheme.law))
