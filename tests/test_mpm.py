@@ -26,14 +26,15 @@ from mpmverify.problem import (
     Velocity,
 )
 from mpmverify.solution import Status
-from mpmverify.solvers.mpm import APIC, FLIP, GAUSS, PIC, TPIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
+from mpmverify.solvers.mpm import APIC, FLIP, GAUSS, PIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
 from mpmverify.solvers.mpm.layout import place_particles
+from mpmverify.solvers.mpm.transfers import TRANSFERS
 
 FIXED, FREE = Velocity(), Traction()
 VARIANTS = [
     MaterialPoint(schedule, transfer, basis, formulation)
     for schedule, transfer, basis, formulation in itertools.product(
-        ("USF", "USL", "MUSL"), (FLIP, PIC, blend(0.95), APIC, TPIC), ("linear", "quadratic", "cubic"), ("updated", "total")
+        ("USF", "USL", "MUSL"), (*TRANSFERS, blend(0.95)), ("linear", "quadratic", "cubic"), ("updated", "total")
     )
 ]
 frozen_functions = pytest.mark.parametrize(

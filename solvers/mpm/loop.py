@@ -36,6 +36,7 @@ from .state import (
     Step,
     Strips,
     columns_of,
+    full_mass,
 )
 from .sweeps import IN_THREADS, IN_TURN, fits_to_grid, to_grid
 from .vectors import with_mass
@@ -68,9 +69,9 @@ def refine(
     S takes nodes to particles and S^+ back, with the lumped mass: the more terms, the closer comes the sum to what the full mass
     would have given. `reaction` is 1 for accelerations and 0 for velocities, see `add_term`. Nothing where there is no series.
     """
-    if len(series) > 0:
+    if series is not None:
         begin_series(grid, nodes, values)
-        for _ in range(scheme.terms - 1):
+        for _ in range(series.terms - 1):
             smooth(scheme, grid, particles, nodes, strips, 0)
             add_term(grid, nodes, faces, massless, total, reaction, added)
 
@@ -124,7 +125,7 @@ def march_through(
     for p in range(particles.place.size):
         heaviest = max(heaviest, particles.state[p, columns_of(grid.lower, particles.deformation).mass])
     massless, last, count = MASSLESS * heaviest, faces.force.shape[1] - 1, nodes.inertia.shape[1]
-    many, series, turns = strips.passed.size > 1, scheme.series, scheme.full_mass
+    many, series, turns = strips.passed.size > 1, scheme.series, full_mass(scheme)
     velocity, nodal_body = nodes.velocity, body if scheme.nodal_body else body[:0]
     zero = grid.lower
     nothing, added, sums_at_nodes = (
@@ -151,7 +152,7 @@ def march_through(
         nodal_velocity(zero, nodes, strips, velocity, massless, 0.0, 0.0, added, 0, count)
         hold_velocity(grid, nodes, faces, n, velocity, added)
         sums = velocity if turns else nodes.projected
-        if len(series) > 0 and not turns:
+        if series is not None and not turns:
             sums[:] = 0.0
         refine(series, scheme, grid, particles, nodes, faces, strips, massless, velocity, sums, 0.0, added)
         if not forces:

@@ -25,9 +25,9 @@ from ..tracing import (
     where,
     while_loop,
 )
-from .basis import CPDI
+from .places import cell_number, inside, node_of
 from .state import FAILED, PASSED, UNSORTED, Grid, Integers, Nodes, Particles, Scheme, Strips
-from .stencil import cell_number, in_cells, inside, node_of, place
+from .stencil import in_cells, place
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -84,10 +84,10 @@ def strips(
 def arrange(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int) -> int:
     """Bring the particles of a strip together by their first node in the order of the passes (counting sort, stable).
 
-    One that is elsewhere, or off the grid, which it is the passes that tell, counts as at a node of the strip all the same. CPDI takes
-    particles one by one.
+    One that is elsewhere, or off the grid, which it is the passes that tell, counts as at a node of the strip all the same. A basis that
+    takes particles one by one has no use for it.
     """
-    if len(grid.kind) == len(CPDI):
+    if not grid.kind.together:
         return PASSED
     begin, end = strips.particles[s], strips.particles[s + 1]
     node, share, order = strips.node, strips.shares[s], particles.order

@@ -22,7 +22,7 @@ from ..tracing import (
     when,
     where,
 )
-from .affine import NO_AFFINE, gather_affine, spin_with, spread_momentum
+from .affine import Uniform, gather_affine, spin_with, spread_momentum
 from .deformation import force_columns, keeps_volume, move, stored_energy, strain, strain_and_stress
 from .grid import leapfrog
 from .reconstruction import not_fitted
@@ -42,22 +42,14 @@ from .state import (
     Strips,
     columns_of,
 )
-from .stencil import Group, domain, group, places, support
+from .stencil import group, places, support_of
 from .tensors import det
-from .transfer import gather, gather_tensor, spread, spread_tensor
 from .vectors import Vector, axpy, cross, dot, null, scale, with_mass
 
 # Tuples whose length decides what a function returns have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 USF, USL, MUSL = range(3)
-
-
-@traced
-def support_of(grid: Grid, particles: Particles, some: Group):
-    """Support of the particles of a group."""
-    F = load_rows(particles.state, some.numbers, columns_of(grid.lower, particles.deformation).F, particles.deformation)
-    return support(grid, some.first, some.offset, domain(grid, F))
 
 
 @contextmanager
@@ -73,10 +65,10 @@ def groups(scheme: Scheme, grid: Grid, particles: Particles, begin: int, end: in
 @traced
 def spread_inertia(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, numbers, m, v: Vector, at) -> None:
     """m_I += m_p N_Ip, and the momentum."""
-    if len(scheme.affine) == len(NO_AFFINE):
-        spread(grid, nodes.inertia, 0, at, with_mass(m, v))
+    if isinstance(scheme.affine, Uniform):
+        at.spread(grid, nodes.inertia, 0, with_mass(m, v))
     else:
-        spread(grid, nodes.inertia, 0, at, (m,))
+        at.spread(grid, nodes.inertia, 0, (m,))
         spread_momentum(scheme, grid, particles, nodes, numbers, m, v, at)
 
 
@@ -99,10 +91,10 @@ def particles_to_grid(
             spread_inertia(scheme, grid, particles, nodes, some.numbers, m, v, at)
             with when(step.forces):
                 F, sigma = strain_and_stress(particles, some.numbers, zero)
-                spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
+                at.spread_tensor(grid, nodes.internal, 0, force_columns(scheme, V, sigma, F, zero))
             with when((step.body.shape[0] > 0) & logical_not(scheme.nodal_body)):
                 b = load_rows(step.body[step.load], places(particles, some.numbers), 0, zero)
-                spread(grid, nodes.external, 0, at, scale(m, b))
+                at.spread(grid, nodes.external, 0, scale(m, b))
         passed.value = where(some.size > 0, passed.value, FAILED)
         advance(maximum(some.size, 1))
     return passed.value
@@ -116,7 +108,7 @@ def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strip
             some.present
             * load_rows(particles.state, some.numbers, columns_of(grid.lower, particles.deformation).mass, (0.0,))[0]
         )
-        spread(grid, nodes.inertia, 1, at, scale(m, gather(grid, nodes.term, at)))
+        at.spread(grid, nodes.inertia, 1, scale(m, at.gather(grid, nodes.term)))
     return PASSED
 
 
@@ -140,7 +132,7 @@ def grid_to_particles(
         sums[c] = 0.0
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
         before = load_rows(state, some.numbers, column.velocity, zero)
-        a = cond(step.record | (scheme.flip > 0), lambda: gather(grid, nodes.acceleration, at), zero)
+        a = cond(step.record | (scheme.flip > 0), lambda: at.gather(grid, nodes.acceleration), zero)
         with when(step.record):
             m = some.present * load_rows(state, some.numbers, column.mass, (0.0,))[0]
             now, x = axpy(kick, a, before), load_rows(state, some.numbers, 0, zero)
@@ -150,12 +142,12 @@ def grid_to_particles(
             add_sums(sums, MOMENTUM, m, now)
             add_sums(sums, MOMENTUM + len(zero), m, spin)
         with when(step.advance):
-            moved = gather(grid, nodes.velocity, at)
-            gradient = gather_tensor(grid, nodes.velocity, at)
+            moved = at.gather(grid, nodes.velocity)
+            gradient = at.gather_tensor(grid, nodes.velocity)
             affine = gather_affine(scheme, grid, nodes, at, gradient)
             v = axpy(scheme.flip, axpy(leap, a, before), scale(1 - scheme.flip, moved))
-            if len(scheme.series) > 0:
-                v = cond(scheme.full_mass, v, lambda: axpy(1.0, gather(grid, nodes.projected, at), v))
+            if scheme.series is not None:
+                v = cond(scheme.series.full_mass, v, lambda: axpy(1.0, at.gather(grid, nodes.projected), v))
             store_rows(state, some.numbers, column.velocity, v)
             store_rows(state, some.numbers, column.affine, affine)
             again = equal(scheme.schedule, MUSL)
@@ -184,7 +176,7 @@ def strain_particles(scheme: Scheme, grid: Grid, particles: Particles, nodes: No
     sums[HEAT] = 0.0
     nodal = where(first_of_all, nodes.velocity, nodes.projected)
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
-        gradient, moved = gather_tensor(grid, nodal, at), gather(grid, nodes.velocity, at)
+        gradient, moved = at.gather_tensor(grid, nodal), at.gather(grid, nodes.velocity)
         with when(logical_not(first_of_all)):
             passed.value = minimum(passed.value, move(grid, state, some, scale(step.dt, moved), limits))
         strained = strain(scheme, particles, some, scale(step.dt, gradient), step.dt, sums, zero)
@@ -192,7 +184,7 @@ def strain_particles(scheme: Scheme, grid: Grid, particles: Particles, nodes: No
         with when(first_of_all):
             F, sigma = strain_and_stress(particles, some.numbers, zero)
             V = some.present * load_rows(state, some.numbers, column.volume, (0.0,))[0]
-            spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
+            at.spread_tensor(grid, nodes.internal, 0, force_columns(scheme, V, sigma, F, zero))
     return passed.value
 
 
@@ -216,7 +208,7 @@ def record_fields(
     state = particles.state
     with groups(scheme, grid, particles, begin, end) as (some, at):
         at_place, x = places(particles, some.numbers), load_rows(state, some.numbers, 0, zero)
-        now = axpy(kick, gather(grid, nodes.acceleration, at), load_rows(state, some.numbers, column.velocity, zero))
+        now = axpy(kick, at.gather(grid, nodes.acceleration), load_rows(state, some.numbers, column.velocity, zero))
         store_rows(outputs.displacement[k], at_place, 0, axpy(-1.0, load_rows(particles.reference, at_place, 0, zero), x))
         store_rows(outputs.velocity[k], at_place, 0, now)
         F, sigma = strain_and_stress(particles, some.numbers, zero)

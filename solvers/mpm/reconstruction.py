@@ -33,7 +33,7 @@ from ..tracing import (
     when,
     where,
 )
-from .basis import ONE, TLS, Axis, Basis
+from .basis import Axis, Basis
 from .deformation import force_columns, strain_and_stress
 from .fits import (
     FITTED,
@@ -50,10 +50,11 @@ from .fits import (
     solve,
     taylor,
 )
+from .places import cell_number
+from .splines import ONE
 from .state import PASSED, Grid, Nodes, Particles, Scheme, Step, Strips, columns_of
-from .stencil import Group, cell_number, group, places, support
+from .stencil import Group, group, places
 from .tensors import det
-from .transfer import spread, spread_tensor
 from .vectors import null, scale, with_mass
 
 # Tuples whose length decides what a function returns have no annotation.
@@ -62,7 +63,7 @@ from .vectors import null, scale, with_mass
 
 def cells_of(axes: tuple[Axis, ...], basis: Basis, boundary: Mapping[str, object]) -> Array:
     """Room for the sums of all cells (C, K), x fastest; none where the basis reconstructs nothing."""
-    if basis.kind != TLS:
+    if not basis.kind.fitted:
         return np.zeros((0, 0))
     d = len(axes)
     parts = parts_of((0.0,) * math.comb(d + min(basis.degree, 2), d), (0.0,) * d)
@@ -132,18 +133,18 @@ def fit_cells(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, st
 @traced
 def spread_cell(grid: Grid, nodes: Nodes, c: int, volume: float, forces: bool) -> None:
     """Integrals of the fits of a cell with the functions of the grid and their gradients."""
-    zero, tensor, _ = null(grid.lower)
+    zero = null(grid.lower)[0]
     d, first = len(zero), cell_along(grid, c)
     with for_range(0, len(gauss_points(grid.width)[0]) ** d, like=c) as number:
         xi, weight = gauss_point(grid.width, number, zero)
         functions = scale(weight * volume, taylor(grid.width, xi))
         parts = parts_of(functions, zero)
-        at, B, stride = support(grid, first, xi, tensor), parts.densities, parts.fields
-        spread(grid, nodes.inertia, 0, at, fitted(nodes.cells, c, B, stride, functions, with_mass(0.0, zero)))
+        at, B, stride = grid.kind.support(grid, first, xi, None), parts.densities, parts.fields
+        at.spread(grid, nodes.inertia, 0, fitted(nodes.cells, c, B, stride, functions, with_mass(0.0, zero)))
         with when(forces):
-            spread(grid, nodes.external, 0, at, fitted(nodes.cells, c, B + 1 + d, stride, functions, zero))
+            at.spread(grid, nodes.external, 0, fitted(nodes.cells, c, B + 1 + d, stride, functions, zero))
             minus_stress = fitted_columns(nodes.cells, c, B + parts.conserved, stride, functions, zero)
-            spread_tensor(grid, nodes.internal, 0, at, minus_stress)
+            at.spread_tensor(grid, nodes.internal, 0, minus_stress)
 
 
 @traced
@@ -185,7 +186,7 @@ def spread_fits(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, 
 @traced
 def not_fitted(grid: Grid, nodes: Nodes, some: Group):
     """The particles of a group that are points of quadrature, as 1 and 0: all, but where their cell is fitted none."""
-    if len(grid.kind) != len(TLS):
+    if not grid.kind.fitted:
         return some.present
     (fitted,) = load_row(nodes.cells, (cell_number(grid, some.first), FITTED), ONE)
     return some.present * (1.0 - fitted)

@@ -1,7 +1,6 @@
 """What the compiled time loop works on; d dimensions, P particles, n nodes, N steps, T outputs, S strips."""
 
-import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +8,6 @@ from numpy.typing import NDArray
 from mpmverify.problem import Array
 
 from ..tracing import traced
-from .basis import Axis, Basis
 from .constitution import Constants, Law
 from .vectors import Vector
 
@@ -22,19 +20,44 @@ KINETIC, STRAIN, HEAT, MOMENTUM = range(4)
 """Columns of the sums of a pass; the momentum takes one for each direction, and then comes the angular momentum."""
 
 
-class Scheme(NamedTuple):
-    """Choices of the scheme: schedule, affine part of the transfer, share of FLIP, whether there is a series for the velocity, and if so
-    its terms and whether they stand for the inverse of the full mass; formulation, where the body force acts, law and its constants.
+class Series(NamedTuple):
+    """The series sum_{j < k} (I - S^+ S)^j of a transfer.
 
-    The length of `affine` and `series` tells a compiled function which it is.
+    terms : int
+        k.
+    full_mass : bool
+        Whether it stands for the inverse of the full mass (FMPM), or adds to the velocity of particles (XPIC).
+    """
+
+    terms: int
+    full_mass: bool
+
+
+class Scheme(NamedTuple):
+    """Choices of the scheme; the types of `affine`, `series` and `law` are known where a time loop is compiled.
+
+    schedule : int
+        `USF`, `USL` or `MUSL` of `passes`.
+    affine : NamedTuple
+        What particles keep of the variation of velocity, a kind of `affine`.
+    flip : float
+        Share of FLIP [1].
+    series : Series, optional
+        Of XPIC and FMPM.
+    total : bool
+        Whether the formulation is total Lagrangian.
+    nodal_body : bool
+        Whether the body force acts at the nodes.
+    law : Linear or Numbered
+        Constitutive law.
+    constants : Constants
+        Of the law.
     """
 
     schedule: int
-    affine: tuple[float, ...]
+    affine: Any
     flip: float
-    series: tuple[float, ...]
-    terms: int
-    full_mass: bool
+    series: Series | None
     total: bool
     nodal_body: bool
     law: Law
@@ -60,36 +83,15 @@ class Grid(NamedTuple):
     polynomials: Array
     nodes: Array
     ghosts: Integers
-    kind: tuple[float, ...]
+    kind: Any
     half: float
     stretched: bool
 
 
-def grid_of(axes: tuple[Axis, ...], h: float, basis: Basis, ghosts: Integers, half: float, stretched: bool) -> Grid:
-    """Grid of these axes; the other parameters as of `Grid`."""
-    counts = [len(axis.nodes) for axis in axes]
-    nodes = np.zeros((len(axes), max(counts)))
-    piece = np.zeros((len(axes), max(axis.cells for axis in axes)), dtype=np.uint8)
-    before = 0
-    for k, axis in enumerate(axes):
-        nodes[k, : counts[k]], piece[k, : axis.cells] = (axis.nodes - axis.lower) / h, axis.piece + before
-        before += len(axis.polynomials)
-    return Grid(
-        tuple(axis.lower for axis in axes),
-        1 / h,
-        tuple(axis.cells for axis in axes),
-        tuple(axis.periodic for axis in axes),
-        tuple(math.prod(counts[:k]) for k in range(len(counts))),
-        (0.0,) * basis.width,
-        tuple(axis.padding for axis in axes),
-        piece,
-        np.concatenate([axis.polynomials for axis in axes]),
-        nodes,
-        ghosts,
-        basis.kind,
-        half,
-        stretched,
-    )
+@traced
+def full_mass(scheme: Scheme) -> bool:
+    """Whether a series stands for the inverse of the full mass."""
+    return False if scheme.series is None else scheme.series.full_mass
 
 
 class Columns(NamedTuple):

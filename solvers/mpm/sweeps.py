@@ -7,7 +7,6 @@ from functools import wraps
 from typing import Any
 
 from ..tracing import for_range, outlined, parallel_for, traced, where
-from .basis import TLS
 from .fits import POPULATION
 from .grid import accelerate, clear, kick_nodes, nodal_velocity
 from .order import arrange, no_sort, sort
@@ -68,7 +67,7 @@ def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
 
     def all_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
         passes["clear"](grid.lower, nodes, strips, nodes.velocity, 0.0, 0.0, 0.0, strips.total[0], 0, nodes.inertia.shape[1])
-        if len(grid.kind) == len(TLS):
+        if grid.kind.fitted:
             with for_range(0, nodes.cells.shape[0]) as c:
                 nodes.cells[c, POPULATION] = 0.0
             passes["fit_cells"](scheme, grid, particles, nodes, strips, s, step)
@@ -78,11 +77,11 @@ def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
     twice = outlined(all_to_grid)
 
     def to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
-        once = twice if len(grid.kind) == len(TLS) else all_to_grid
+        once = twice if grid.kind.fitted else all_to_grid
         return once(scheme, grid, particles, nodes, strips, s, step)
 
     def fits_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
-        return twice(scheme, grid, particles, nodes, strips, s, step) if len(grid.kind) == len(TLS) else PASSED
+        return twice(scheme, grid, particles, nodes, strips, s, step) if grid.kind.fitted else PASSED
 
     again = {"to_grid": traced(to_grid), "fits_to_grid": traced(fits_to_grid)}
     return passes | again | {"strain_particles": outlined(passes["strain_particles"])}

@@ -4,9 +4,7 @@ from dataclasses import dataclass
 
 from mpmverify.errors import UsageError
 
-from .affine import APIC as WITH_MOMENT
-from .affine import NO_AFFINE
-from .affine import TPIC as WITH_GRADIENT
+from .affine import AFFINE
 
 
 @dataclass(frozen=True)
@@ -18,8 +16,8 @@ class Transfer:
     name : str
     flip : float
         Share of the increment of velocity (FLIP), the rest is the velocity itself (PIC) [1].
-    affine : tuple of float
-        What of the velocity's variation about a particle it keeps: nothing, its moment or its gradient.
+    affine : {None, "moment", "gradient"}
+        What particles keep of the variation of velocity about them, see `affine`.
     terms : int
         k of the series sum_{j < k} (I - S^+ S)^j that takes back what PIC smooths: S from nodes to particles, S^+ back.
     full_mass : bool
@@ -28,26 +26,30 @@ class Transfer:
     Raises
     ------
     UsageError
-        If the share of FLIP is not between 0 and 1, or the series has no term.
+        If the share of FLIP is not between 0 and 1, the affine part does not exist, or the series has no term.
     """
 
     name: str
     flip: float
-    affine: tuple[float, ...] = NO_AFFINE
+    affine: str | None = None
     terms: int = 1
     full_mass: bool = False
 
     def __post_init__(self) -> None:
         if not 0 <= self.flip <= 1:
             raise UsageError(f"the share of FLIP lies between 0 (PIC) and 1 (FLIP), not {self.flip!r}")
+        if self.affine not in AFFINE:
+            raise UsageError(f"the affine part of a transfer is one of {', '.join(map(repr, AFFINE))}, not {self.affine!r}")
         if not (isinstance(self.terms, int) and self.terms >= 1):
             raise UsageError(f"a series of XPIC or FMPM has one term or more, not {self.terms!r}")
 
 
 FLIP = Transfer("flip", 1.0)
 PIC = Transfer("pic", 0.0)
-APIC = Transfer("apic", 0.0, WITH_MOMENT)
-TPIC = Transfer("tpic", 0.0, WITH_GRADIENT)
+APIC = Transfer("apic", 0.0, affine="moment")
+TPIC = Transfer("tpic", 0.0, affine="gradient")
+TRANSFERS = (FLIP, PIC, APIC, TPIC)
+"""Transfers without a parameter; `blend`, `xpic` and `fmpm` make others."""
 
 
 def blend(flip: float) -> Transfer:
