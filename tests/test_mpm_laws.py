@@ -23,6 +23,7 @@ from mpmverify.material import (
     NeoHookeanSplit,
     PlaneStress,
     SaintVenantKirchhoff,
+    Yeoh,
 )
 from mpmverify.solvers import mpm
 from mpmverify.solvers.mpm.constitution import LAWS, FiniteStrain, Linear
@@ -234,12 +235,13 @@ def test_a_law_of_small_strain_does_not_see_the_volume(material):
 def test_uniaxial_forms_of_the_field():
     """P of one dimension as the literature writes it."""
     F, lame, mu = 1.3, HYPERELASTIC[0].lame_lambda, HYPERELASTIC[0].shear_modulus
-    E, bulk = (F * F - 1) / 2, lame + 2 * mu / 3
+    E, bulk, x = (F * F - 1) / 2, lame + 2 * mu / 3, F ** (-2 / 3) * (F * F + 2) - 3
     expected = {
         NeoHookean: lame * math.log(F) / F + mu * (F - 1 / F),
         NeoHookeanSplit: bulk / 2 * (F - 1 / F) + 2 * mu / 3 * F ** (-2 / 3) * (F - 1 / F),
         Hencky: (lame + 2 * mu) * math.log(F) / F,
         SaintVenantKirchhoff: (lame + 2 * mu) * E * F,
+        Yeoh: bulk / 2 * (F - 1 / F) + 4 / 3 * (mu / 2 + 0.6 * x + 0.9 * x * x) * F ** (-2 / 3) * (F - 1 / F),
     }
     for material in HYPERELASTIC:
         assert stress(material, np.array([[F]])).item() == pytest.approx(expected[type(material)], rel=1e-14), name(material)
@@ -424,6 +426,16 @@ def test_a_viscous_material_refuses_what_is_no_viscosity(value):
     ):
         with pytest.raises(UsageError, match=f"the {what}.* must be positive and finite"):
             make(1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("second", "third", "why"),
+    [(math.nan, 0.0, "must be finite"), (0.0, -0.1, "soften"), (-0.1, 0.0, "soften"), (-1.0, 1 / 1.5, "soften")],
+)
+def test_a_yeoh_body_refuses_to_soften_without_bound(second, third, why):
+    with pytest.raises(UsageError, match=why):
+        Yeoh(2.0, 1.0, second=second, third=third)  # mu = 1
+    assert Yeoh(2.0, 1.0, second=-1.0, third=0.7).third == 0.7
 
 
 @all_materials

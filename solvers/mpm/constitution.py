@@ -76,6 +76,7 @@ LAWS: dict[type, FiniteStrain | SmallStrain] = {
     materials.SaintVenantKirchhoff: FiniteStrain(
         hyperelastic.saint_venant_kirchhoff, hyperelastic.saint_venant_kirchhoff_energy
     ),
+    materials.Yeoh: FiniteStrain(hyperelastic.yeoh, hyperelastic.yeoh_energy, ("second", "third")),
 }
 """Law of each material. Plane stress is linear elasticity with its own lambda, and is refused in three dimensions."""
 ROOM = max(len(law.parameters) for law in LAWS.values())

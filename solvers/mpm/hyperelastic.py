@@ -68,6 +68,20 @@ def saint_venant_kirchhoff_energy(lame: float, shear: float, J: float, b: Symmet
     return where(J > 0, stored, nan)
 
 
+@traced
+def yeoh(lame: float, shear: float, J: float, b: Symmetric, second: float, third: float) -> Symmetric:
+    """The split neo-Hookean stress with mu = 2 dW/dx = mu_0 + 4 C20 x + 6 C30 x^2, x = J^(-2/3) tr b - 3."""
+    x = shape_strain(J, b)
+    return uncoupled(lame + 2 * shear / 3, shear + x * (4 * second + 6 * third * x), J, b)
+
+
+@traced
+def yeoh_energy(lame: float, shear: float, J: float, b: Symmetric, second: float, third: float) -> float:
+    """W = K/2 [(J^2 - 1)/2 - ln J] + mu_0 x/2 + C20 x^2 + C30 x^3, x = J^(-2/3) tr b - 3."""
+    x = shape_strain(J, b)
+    return volume_energy(lame + 2 * shear / 3, J) + x * (0.5 * shear + x * (second + third * x))
+
+
 # Parts that laws share.
 
 
