@@ -26,7 +26,7 @@ from mpmverify.problem import (
     Velocity,
 )
 from mpmverify.solution import Status
-from mpmverify.solvers.mpm import APIC, FLIP, GAUSS, PIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
+from mpmverify.solvers.mpm import AFLIP, APIC, FLIP, GAUSS, PIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
 from mpmverify.solvers.mpm.layout import place_particles
 from mpmverify.solvers.mpm.transfers import TRANSFERS
 
@@ -105,6 +105,15 @@ def test_a_second_term_takes_back_what_pic_damps_at_first_order(transfer, schedu
     for quantity in ("displacement", "velocity"):
         found = series(axial_vibration(v0=1e-4), variant, (32, 64, 128), quantity=quantity)
         assert np.all(orders(found) > 1.85), quantity
+
+
+@pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
+@pytest.mark.parametrize("basis", ["linear", "quadratic"])
+def test_the_orders_of_aflip(basis, schedule):
+    variant = MaterialPoint(schedule, AFLIP, basis)
+    for quantity, formal in variant.orders.items():
+        found = orders(series(axial_vibration(v0=1e-4), variant, (16, 32, 64), quantity=quantity))
+        assert np.all((found > formal - 0.1) & (found < formal + 0.5)), quantity
 
 
 @pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])

@@ -48,7 +48,13 @@ FLIP = Transfer("flip", 1.0)
 PIC = Transfer("pic", 0.0)
 APIC = Transfer("apic", 0.0, affine="moment")
 TPIC = Transfer("tpic", 0.0, affine="gradient")
-TRANSFERS = (FLIP, PIC, APIC, TPIC)
+AFLIP = Transfer("aflip", 1.0, affine="moment")
+"""FLIP with the affine part of APIC: v_p += dt sum_I N_Ip a_I and B_p = sum_I v_I N_Ip (x_I - x_p)^T.
+
+It conserves linear momentum, but not angular momentum: that changes as the affine parts do when v_I of the old velocities is projected
+back on the particles. It damps less than APIC. Fei and others, 2021, doi:10.1145/3450626.3459678, without their separation.
+"""
+TRANSFERS = (FLIP, PIC, APIC, TPIC, AFLIP)
 """Transfers without a parameter; `blend`, `xpic` and `fmpm` make others."""
 
 
