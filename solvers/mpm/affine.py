@@ -20,7 +20,7 @@ from .nodes import add_field, gathered_by
 from .state import Grid, Nodes, Particles, Scheme, columns_of
 from .vectors import Vector, axial, axpy, by_columns, columns, constant, null, quotient, scale
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 

@@ -1,4 +1,4 @@
-"""The table of bases, and their set-up along the axes; in more dimensions a basis is made of products or means of these functions.
+"""Table of the bases, and their functions along one axis; in more dimensions a basis is made of products of these, or of means.
 
 To add a basis, write its kind in `splines` or `domains` (or a module of its own) and enter it in `BASES`.
 """
@@ -116,14 +116,14 @@ def spline_axis(lower: float, h: float, cells: int, degree: int, periodic: bool 
 
 
 def domain_axis(lower: float, h: float, cells: int, width: int, periodic: bool = False) -> Axis:
-    """Hats for particles that have a domain, which meets `width` of them; parameters as of `spline_axis`."""
+    """Hats for particles with domains, each of which meets `width` hats; other parameters as of `spline_axis`."""
     hats, padding = spline_axis(lower, h, cells, 1, periodic), 0 if periodic else 1
     count = cells + width - 1 + 2 * padding
     return hats._replace(nodes=lower + h * (np.arange(count, dtype=np.float64) - padding), padding=padding)
 
 
 def basis_axis(basis: Basis, lower: float, h: float, cells: int, periodic: bool = False) -> Axis:
-    """The axis of a basis; parameters as of `spline_axis`."""
+    """Axis of a basis; other parameters as of `spline_axis`."""
     if basis.kind.domains:
         return domain_axis(lower, h, cells, basis.width, periodic)
     return spline_axis(lower, h, cells, basis.degree, periodic)
@@ -131,13 +131,13 @@ def basis_axis(basis: Basis, lower: float, h: float, cells: int, periodic: bool 
 
 @lru_cache
 def _polynomials(knots: tuple[float, ...], degree: int) -> Array:
-    """Taylor coefficients (powers, W) about the left end of the middle span."""
+    """Taylor coefficients (powers, W) of the B-splines with these knots about the left end of the middle span."""
     functions = BSpline(np.array(knots), np.eye(degree + 1), degree)
     return np.array([functions(0.0, nu=power) / math.factorial(power) for power in range(degree + 1)])
 
 
 def grid_of(axes: tuple[Axis, ...], h: float, basis: Basis, ghosts: Integers, half: float, stretched: bool) -> Grid:
-    """Grid of these axes; the other parameters as of `Grid`."""
+    """Grid of some axes; other parameters as of `Grid`."""
     counts = [len(axis.nodes) for axis in axes]
     nodes = np.zeros((len(axes), max(counts)))
     piece = np.zeros((len(axes), max(axis.cells for axis in axes)), dtype=np.uint8)

@@ -18,7 +18,7 @@ from ..tracing import cond, switch, traced, where
 from . import hyperelastic, small_strain
 from .tensors import Symmetric, Tensor, det, first_piola_kirchhoff, full, left_cauchy_green, sym
 
-# What is a number or lanes has no annotation.
+# Numbers and lanes of compiled code have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 

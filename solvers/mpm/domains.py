@@ -17,7 +17,7 @@ from .support import Products
 from .tensors import cofactor, det
 from .vectors import Vector, axpy, combination, dot, dyad, null, scale
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 SHORTEST, LONGEST = 0.1, 0.5

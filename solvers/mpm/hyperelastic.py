@@ -13,7 +13,7 @@ from math import nan
 from ..tracing import log, power, traced, where
 from .tensors import Symmetric, combined, ddot, dimension, logarithm, shifted, squared, trace
 
-# What is a number or lanes has no annotation.
+# Numbers and lanes of compiled code have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 

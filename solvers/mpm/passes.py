@@ -25,6 +25,8 @@ from ..tracing import (
 from .affine import Uniform, gather_affine, spin_with, spread_momentum
 from .deformation import force_columns, keeps_volume, move, stored_energy, strain, strain_and_stress
 from .grid import leapfrog
+from .histories import Outputs
+from .order import Strips
 from .reconstruction import not_fitted
 from .state import (
     FAILED,
@@ -35,18 +37,16 @@ from .state import (
     STRAIN,
     Grid,
     Nodes,
-    Outputs,
     Particles,
     Scheme,
     Step,
-    Strips,
     columns_of,
 )
 from .stencil import group, places, support_of
 from .tensors import det
 from .vectors import Vector, axpy, cross, dot, null, scale, with_mass
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 USF, USL, MUSL = range(3)
@@ -54,7 +54,7 @@ USF, USL, MUSL = range(3)
 
 @contextmanager
 def groups(scheme: Scheme, grid: Grid, particles: Particles, begin: int, end: int) -> Iterator[tuple[Any, Any]]:
-    """A loop over the particles on the grid that one stencil serves at a time: the group and its support."""
+    """A loop over groups of particles that share a stencil: the group and its support."""
     with for_strides(begin, end) as (p, advance):
         some = group(scheme, grid, particles, p, end)
         with when(some.size > 0):
@@ -64,7 +64,7 @@ def groups(scheme: Scheme, grid: Grid, particles: Particles, begin: int, end: in
 
 @traced
 def spread_inertia(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, numbers, m, v: Vector, at) -> None:
-    """m_I += m_p N_Ip, and the momentum."""
+    """m_I += m_p N_Ip, and p_I as of `spread_momentum`."""
     if isinstance(scheme.affine, Uniform):
         at.spread(grid, nodes.inertia, 0, with_mass(m, v))
     else:
@@ -76,9 +76,10 @@ def spread_inertia(scheme: Scheme, grid: Grid, particles: Particles, nodes: Node
 def particles_to_grid(
     scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step
 ) -> int:
-    """m_I = sum_p m_p N_Ip, p_I = sum_p m_p N_Ip [v_p + B_p D_p^-1 (x_I - x_p)] and, with `forces` f_I.
+    """Mass, momentum and, if `step.forces`, forces of the particles to the grid; FAILED when a particle is not on the grid.
 
-    Internal -sum_p V_p sigma_p dN_Ip/dx and external sum_p m_p b_p N_Ip. FAILED when a particle is not on the grid.
+    m_I = sum_p m_p N_Ip and p_I = sum_p m_p N_Ip [v_p + C_p (x_I - x_p)] with the gradient C_p of an affine transfer. The internal
+    force is -sum_p V_p sigma_p dN_Ip/dx, the external one sum_p m_p b_p N_Ip.
     """
     zero, state, passed, end = null(grid.lower)[0], particles.state, Variable(PASSED, s), strips.particles[s + 1]
     column = columns_of(zero, particles.deformation)
@@ -102,7 +103,7 @@ def particles_to_grid(
 
 @traced
 def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int) -> int:
-    """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of the nodes, to the particles and back."""
+    """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of a series from the nodes to the particles and back."""
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
         m = (
             some.present
@@ -116,12 +117,15 @@ def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strip
 def grid_to_particles(
     scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step
 ) -> int:
-    """To `record`, sums at t^n; then, to `advance`, v_p = flip (v_p + dt sum_I N_I a_I) + (1 - flip) sum_I N_I v_I, with the correction
-    of XPIC, and what else a step changes.
+    """If `step.record`, sums at t^n; then, if `step.advance`, the new velocities and, for some schedules, positions and stresses.
 
-    Half of dt for the velocities at n = 0. USL: strain and stress. USF and USL: x_p += dt sum_I N_I v_I. MUSL: the new
-    momentum goes to the grid, which leaves both to `strain_particles`. FAILED at J <= 0, STRAYED when a particle passes the limits of
-    the strip (2,) [m].
+    v_p = flip (v_p + dt sum_I N_I a_I) + (1 - flip) sum_I N_I v_I, with the correction of XPIC; dt/2 at n = 0.
+
+    - USF: x_p += dt sum_I N_I v_I.
+    - USL: the same, then strain and stress.
+    - MUSL: the new momentum to the grid; `strain_particles` does the rest.
+
+    FAILED at J <= 0, STRAYED when a particle passes the limits of its strip.
     """
     zero = null(grid.lower)[0]
     column = columns_of(zero, particles.deformation)
@@ -164,10 +168,12 @@ def grid_to_particles(
 
 @traced
 def strain_particles(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step) -> int:
-    """A pass of its own for strain and stress: at the beginning of a step for USF, at its end for MUSL.
+    """Strain and stress in a pass of their own: at the beginning of a step for USF, at its end for MUSL.
 
-    USF: from the velocities of the grid before the kick, then the internal forces. MUSL: from those that were projected again,
-    after x_p += dt sum_I N_I v_I. FAILED at J <= 0, STRAYED when a particle passes the limits of the strip (2,) [m].
+    - USF: from the velocities of the nodes before they are accelerated, then the internal forces.
+    - MUSL: x_p += dt sum_I N_I v_I, then strain from the velocities of the momentum that was projected again.
+
+    FAILED at J <= 0, STRAYED when a particle passes the limits of its strip.
     """
     zero = null(grid.lower)[0]
     column = columns_of(zero, particles.deformation)
@@ -201,7 +207,7 @@ def record_fields(
     begin: int,
     end: int,
 ) -> None:
-    """u^n, sigma^n, volume and v^n = v^{n-1/2} + dt/2 sum_I N_I a_I, as output k in the order of the problem."""
+    """Record u^n, sigma^n, volume and v^n = v^{n-1/2} + dt/2 sum_I N_I a_I as output k, in the order of the problem."""
     zero = null(grid.lower)[0]
     column = columns_of(zero, particles.deformation)
     kick, _ = leapfrog(n, dt)

@@ -7,7 +7,7 @@ from ..tracing import floor, traced, where
 from .state import Grid
 from .vectors import Vector, dot
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 

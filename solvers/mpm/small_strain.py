@@ -7,7 +7,7 @@ increment of strain in the time step `dt` [s]. The laws do not see J = det F, an
 from ..tracing import exp, expm1, traced
 from .tensors import Symmetric, Tensor, combined, ddot, dimension, shifted, sym, trace
 
-# What is a number or lanes has no annotation.
+# Numbers and lanes of compiled code have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 

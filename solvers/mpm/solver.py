@@ -18,12 +18,12 @@ from .affine import AFFINE
 from .basis import BASES, Axis, Basis, basis_axis, grid_of
 from .constitution import LAWS, LINEAR_ELASTIC, constitution
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
-from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSTABLE, by_component, no_histories
+from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSTABLE, Outputs, by_component, no_histories
 from .layout import REGULAR, Layout, place_particles
-from .order import strips
+from .order import Strips, strips
 from .reconstruction import cells_of
 from .splines import MovingLeastSquares
-from .state import Grid, Nodes, Outputs, Particles, Scheme, Series, Strips, columns_of, nodal
+from .state import Grid, Nodes, Particles, Scheme, Series, columns_of, nodal
 from .transfers import FLIP, Transfer
 
 SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
@@ -38,9 +38,9 @@ STATUSES = {
     INVERTED: Status.NON_FINITE,
 }
 BLOCK = 4_000_000
-"""Most body-force values held at once: 32 MB."""
+"""Largest number of body-force values held at once: 32 MB."""
 MANY = 50_000
-"""So many particles are worth several threads."""
+"""Number of particles from which several threads are used."""
 
 
 @dataclass(frozen=True)
@@ -54,35 +54,34 @@ class MaterialPoint:
     transfer : Transfer
         How the velocity of the grid becomes that of the particles.
     basis : {"linear", "quadratic", "cubic", "mls-quadratic", ..., "tls-linear", ..., "ugimp", "cpgimp", "cpdi"}
-        B-splines of the grid, linear is the hat; those with the gradients of moving least squares, or with Taylor least squares in
-        the cells; hats averaged over the domain of
-        a particle, which stays as it was, stretches along the axes, or deforms to a parallelepiped.
+        B-splines of the grid, of which the linear ones are hats; B-splines with the gradients of moving least squares, or with Taylor
+        least squares in the cells; hats averaged over the domain of a particle, which keeps its shape, stretches along the axes, or
+        deforms to a parallelepiped. See `basis.BASES`.
     formulation : {"updated", "total"}
         Lagrangian formulation.
     body_force_at : {"particles", "nodes"}
-        Where the body force is evaluated; nodes keep their material coordinates in the total Lagrangian only.
+        Where the body force is evaluated; at the nodes, in the total Lagrangian formulation only, where they are material points.
     layout : Layout
-        Where the particles of a cell begin.
+        Initial places of the particles in a cell.
     record_every : int
-        Steps from one entry of the histories to the next; the first and the last step are recorded in any case. Instability is
-        looked for at these steps.
+        Steps from one entry of the histories to the next; the first and the last step are always recorded. Instability is detected
+        at these steps.
 
     Raises
     ------
     UsageError
-        If a choice does not exist, the body force is asked for at the nodes of an updated Lagrangian grid, an affine transfer
-        for CPDI, Gauss points for particles that have a domain, USF for domains that stretch, or for Taylor least squares USF or
-        another transfer than PIC, FLIP and their blends.
+        If a choice does not exist, or two do not go together: the body force at the nodes and the updated Lagrangian formulation, an
+        affine transfer and CPDI, Gauss points and domains, USF and domains that stretch, Taylor least squares and USF or a transfer
+        other than PIC, FLIP and their blends.
 
     Notes
     -----
-    Position, stress and deformation live at t^n, velocity at t^{n-1/2}; what is returned is synchronous. Of the deformation gradient a
-    linear elastic body keeps its determinant alone, unless its particles have domains. A traction
-    acts on the end functions of the grid: in the updated Lagrangian formulation a loaded face must stay within its cells.
-    Where a free surface crosses a cell by little, f/m of the nodes beyond it is large: harmless to B-splines; linear functions need
-    FLIP or FMPM, with USF or MUSL, to strain by velocities that the mass of the particles has averaged. Taylor least squares in the
-    updated Lagrangian formulation needs particles enough to determine the fits wherever they gather: less than three along an axis are
-    too few, and so may three be that begin jittered.
+    Position, stress and deformation are known at t^n, velocity at t^{n-1/2}; the solution is synchronous. Of a linear elastic body only
+    the determinant of the deformation gradient is kept, unless its particles have domains. A traction acts on the end functions of the
+    grid: in the updated Lagrangian formulation a loaded face must stay within its cells. Where a free surface enters a cell by little,
+    f/m of the nodes beyond it is large. This is harmless with B-splines; with linear functions use FLIP or FMPM and USF or MUSL, whose
+    strains come from velocities averaged by the mass of the particles. Taylor least squares in the updated Lagrangian formulation needs
+    more than two particles along an axis of a cell, and may need more than three if they begin jittered.
 
     References
     ----------
@@ -147,19 +146,20 @@ class MaterialPoint:
 
     @property
     def conserves(self) -> frozenset[str]:
-        """Taylor least squares keeps the momentum on its way to the grid, but not on that back."""
+        """Mass, and momentum unless fields are fitted: Taylor least squares conserves it to the grid, but not back to the particles."""
         return frozenset({"mass"} if self._basis.kind.fitted else {"mass", "momentum"})
 
     @property
     def orders(self) -> Mapping[str, float]:
         """Formal orders in h while no particle crosses a cell.
 
-        PIC damps at first order; the affine transfers keep what it smooths, and damp at second order, as XPIC and FMPM do with two
-        terms. The gradient of the hat is constant in a cell, thus second order in its middle only (`ppc` = 1). The lumped mass of the
-        clamped spline is off its node by O(h) in the two functions at each end: half an order in L2 there, of the acceleration that
-        FLIP adds to the velocity, too. In the end cells of clamped cubic splines the quadrature over particles, and with moving least
-        squares the gradient itself, does not balance a constant stress: a strain that is off by O(1) over O(h) leaves half an order of
-        the stress and, with cubic splines on fine levels alone, the first of displacement and velocity.
+        - PIC damps at first order. Affine transfers, and XPIC and FMPM with two terms, damp at second order.
+        - The gradient of the hat is constant in a cell, so that it is of second order in the middle of the cell only (`ppc` = 1).
+        - The centre of the lumped mass of the two functions at each clamped end is O(h) from their nodes. This costs half an order in L2
+          of the stress, and of the velocity where FLIP adds the acceleration to it.
+        - In the end cells of clamped cubic splines the quadrature over particles does not balance a constant stress, and with moving
+          least squares neither does the gradient: a strain error of O(1) over a length O(h) leaves half an order of the stress and
+          first order of displacement and velocity, which with cubic splines shows on fine levels only.
         """
         damped = self.transfer.flip < 1 and not self.transfer.affine and self.transfer.terms == 1
         if isinstance(self._basis.kind, MovingLeastSquares) or self._basis.degree > 2:
@@ -171,7 +171,7 @@ class MaterialPoint:
         return {"displacement": 2.0, "velocity": 2.0, "stress": 1.0}
 
     def kernel(self, problem: Problem) -> Hashable:
-        """What is compiled for a problem."""
+        """Key of the compiled loop: equal for problems that share it."""
         kind, width, law = type(self._basis.kind), self._basis.width, LAWS.get(type(problem.material))
         return problem.dimension, kind, width, self.transfer.affine, self.transfer.terms > 1, law is LINEAR_ELASTIC
 
@@ -181,7 +181,7 @@ class MaterialPoint:
         Raises
         ------
         UsageError
-            If the problem is refused by `acceptance.check`, or has a body force in spatial coordinates that is asked for at the nodes.
+            If `acceptance.check` refuses the problem, or its body force in spatial coordinates is to be evaluated at the nodes.
         """
         check(problem, self.name, self._basis.kind.fitted)
         nodal = self.body_force_at == "nodes" and isinstance(problem.body_force, Spatial)
@@ -282,7 +282,7 @@ class MaterialPoint:
         return strips(grid.lower[-1], at.h, at.cells(problem), rows, particles, moving, grid.stride[-1], many)
 
     def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:
-        """Lay the particles out in the initial state of the body."""
+        """Particles in the initial state of the body."""
         assert isinstance(problem.material, LinearElastic)
         count, dimension = reference.shape
         kept = dimension**2 if self.transfer.affine else 0

@@ -31,7 +31,7 @@ from .state import Grid
 from .support import Products, moment_along
 from .vectors import Vector, axpy, scale
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 ONE = (0,)

@@ -20,7 +20,7 @@ from .places import images, local
 from .state import Grid, Particles, Scheme, columns_of
 from .vectors import Vector, axpy, identity, scale
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 

@@ -20,7 +20,7 @@ from .nodes import add_field, gathered, gathered_by
 from .state import Grid
 from .vectors import by_components, dot, less
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
