@@ -1,4 +1,7 @@
-"""Transfers of velocity between particles and grid, as values."""
+"""Transfers of velocity between particles and grid: a value for each, and the table of those without a parameter.
+
+To add a transfer, make it of the parameters of `Transfer`; what particles keep of the variation of velocity is a kind of `affine`.
+"""
 
 from dataclasses import dataclass
 
@@ -9,19 +12,19 @@ from .affine import AFFINE
 
 @dataclass(frozen=True)
 class Transfer:
-    """How the velocity of the grid becomes that of the particles.
+    """Transfer of velocity from the grid to the particles and back.
 
     Parameters
     ----------
     name : str
     flip : float
-        Share of the increment of velocity (FLIP), the rest is the velocity itself (PIC) [1].
+        Share of the particle's own velocity and its increment (FLIP); the rest is the velocity of the grid (PIC) [1].
     affine : {None, "moment", "gradient"}
         What particles keep of the variation of velocity about them, see `affine`.
     terms : int
-        k of the series sum_{j < k} (I - S^+ S)^j that takes back what PIC smooths: S from nodes to particles, S^+ back.
+        k of the series sum_{j < k} (I - S^+ S)^j that undoes the smoothing of PIC; S maps nodes to particles, and S^+ back.
     full_mass : bool
-        Whether velocity and acceleration of the nodes are that of the series (FMPM), or what it adds goes to the particles (XPIC).
+        Whether the series replaces velocity and acceleration of the nodes (FMPM), or its correction goes to the particles (XPIC).
 
     Raises
     ------
@@ -59,7 +62,7 @@ TRANSFERS = (FLIP, PIC, APIC, TPIC, AFLIP)
 
 
 def blend(flip: float) -> Transfer:
-    """FLIP and PIC in shares.
+    """Blend of FLIP and PIC.
 
     Parameters
     ----------
@@ -75,9 +78,9 @@ def blend(flip: float) -> Transfer:
 
 
 def xpic(order: int) -> Transfer:
-    """Extended PIC of an order m; of the first it is PIC.
+    """Extended PIC of order m, XPIC(m); XPIC(1) is PIC.
 
-    v_p = sum_I N_Ip (sum_{j < m} (I - S^+ S)^j v + dt a)_I: what PIC smooths comes back but for its part of order m in h^2.
+    v_p = sum_I N_Ip (sum_{j < m} (I - S^+ S)^j v + dt a)_I, which smooths at order m in h^2.
 
     Parameters
     ----------
@@ -97,10 +100,10 @@ def xpic(order: int) -> Transfer:
 
 
 def fmpm(order: int) -> Transfer:
-    """Full-mass MPM of an order k; of the first it is PIC.
+    """Full-mass MPM of order k, FMPM(k); FMPM(1) is PIC.
 
-    The velocity of the grid is sum_{j < k} (I - S^+ S)^j (v + dt a), which comes to that of the full mass matrix; particles take
-    it, move and strain with it.
+    The velocity of the grid is sum_{j < k} (I - S^+ S)^j (v + dt a), which converges to that of the full mass matrix; particles take
+    their velocity, motion and strain from it.
 
     Parameters
     ----------
