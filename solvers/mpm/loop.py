@@ -41,7 +41,7 @@ from .vectors import with_mass
 # mypy: disable-error-code="no-untyped-def"
 
 SOURCES = checksum(Path(__file__).parent)
-"""Checksum of this package and of its compiler: the disk cache compiles the loop anew when a file of either changes."""
+"""Checksum of this package and of its compiler, part of the names of the loops: the disk cache compiles them anew when a file changes."""
 MASSLESS = 1e-12
 """Nodes with less than this part of the mass of the heaviest particle have no velocity: f/m would overflow."""
 
@@ -87,7 +87,6 @@ def march_through(
     begin: int,
     end: int,
     output: int,
-    sources: int = SOURCES,
 ) -> tuple[int, int, int]:
     """Steps begin <= n < end of the scheme, each from x^n, F^n or J^n, sigma^n and v^{n-1/2}; step N records and does not advance.
 
@@ -103,8 +102,6 @@ def march_through(
         none.
     output : int
         Index of the next output.
-    sources : int
-        Not to be passed; see `SOURCES`.
 
     Returns
     -------
@@ -203,6 +200,7 @@ def march_through(
 
 def _assembled(name: str, passes: dict[str, Any], **options: bool) -> Any:
     """The loop with its passes, without reference counts: it allocates nothing, and they would double the time of compilation."""
+    name = f"{name}_{SOURCES:08x}"
     series = compiled(refine, passes, f"refine_of_{name}", **WITHOUT_ENTRY, _nrt=False)
     return compiled(march_through, passes | {"refine": series}, name, cache=True, no_cfunc_wrapper=True, _nrt=False, **options)
 
