@@ -34,7 +34,7 @@ def environment():
 def results(tmp_path_factory, environment):
     """Results of one study, which stand for those of all."""
     folder = tmp_path_factory.mktemp("results")
-    subprocess.run(["mpmverify", "run", "advection"], cwd=folder, env=environment, check=True, capture_output=True)
+    subprocess.run(["mpmverify", "run", "gehojerez-deck"], cwd=folder, env=environment, check=True, capture_output=True)
     return folder / "results"
 
 
@@ -71,9 +71,13 @@ def check(words: list[str]) -> None:
         ast.parse((ROOT / script).read_text(encoding="utf-8"))
 
 
+@pytest.mark.xdist_group("handbook")
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_every_block_of_a_page_runs_as_a_reader_would_run_it(page, tmp_path, monkeypatch, request, environment):
-    """In order, in one folder that has the results of a run; Python blocks in one session."""
+    """In order, in one folder that has the results of a run; Python blocks in one session.
+
+    Not run are `command` blocks, which .ci/run runs, and `parsed` ones, which take minutes: the self-test, all studies, benchmarks.
+    """
     monkeypatch.chdir(tmp_path)
     shown = blocks(page)
     if any(block.language in ("sh", "python") and "parsed" not in block.marks for block in shown):
@@ -123,6 +127,12 @@ def test_the_table_of_options_is_that_of_run():
     table = studies[studies.index("| option |") :].partition("\n\n")[0]
     options = {option for parameter in cli.cli.commands["run"].params for option in parameter.opts}
     assert set(re.findall(r"^\| `(--[\w-]+)", table, re.MULTILINE)) <= options
+
+
+def test_the_table_of_options_is_that_of_the_plugin(pytestconfig):
+    table = re.findall(r"^\| `(--mpmverify[\w-]*)", text(handbook.FOLDER / "pytest.md"), re.MULTILINE)
+    assert all(hasattr(pytestconfig.option, option.strip("-").replace("-", "_")) for option in table)
+    assert len(table) == sum(name.startswith("mpmverify") for name in vars(pytestconfig.option))
 
 
 def test_every_study_is_explained():
