@@ -1,4 +1,4 @@
-"""One run from its declaration to its row in the study: solved or read back, compared with the exact solution."""
+"""One run: solved or read back from its file, compared with the exact solution, and measured for the criteria."""
 
 import dataclasses
 import traceback
@@ -23,12 +23,14 @@ from mpmverify.problem import Discretisation
 from mpmverify.solution import Outcome, Solution, Solver, Status
 
 SNAPSHOT_OUTPUTS = 32
+"""Output intervals of a run that its snapshots keep at most."""
 HISTORY_SAMPLES = 256
+"""Intervals of a run's histories that its snapshots keep at most."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """One run and what is measured on it; a value that travels to worker processes.
+    """One run and the criteria that measure it; a value that can be sent to worker processes.
 
     Parameters
     ----------
@@ -38,7 +40,7 @@ class Task:
     index : int
         Position among the runs of the study.
     case, refinement : str
-        Where the run stands in its study.
+        Series that the run belongs to, with the solver.
     problem : VerificationProblem
     solver : Solver
     discretisation : Discretisation
@@ -46,7 +48,7 @@ class Task:
     key : str
         Content key of the run.
     shown : bool
-        Whether its profiles and histories go into the study's file.
+        Whether its fields and histories go into the study's file.
     reuse : bool
         Whether a finished run may be read back.
     """
@@ -69,16 +71,16 @@ class Task:
 
     @property
     def kernel(self) -> Hashable:
-        """What the solver says that it compiles for the problem, see `Solver`; None if it does not say.
+        """Identity of the code that the solver compiles for the problem, see `Solver`; None when the solver does not declare it.
 
         Raises
         ------
         UsageError
-            If it raises, or says what is not hashable.
+            If the solver raises, or its declaration is not hashable.
         """
-        says = getattr(self.solver, "kernel", None)
+        declares = getattr(self.solver, "kernel", None)
         try:
-            found: Hashable = says(self.problem.problem) if callable(says) else None
+            found: Hashable = declares(self.problem.problem) if callable(declares) else None
             hash(found)
         except Exception as error:
             raise UsageError(
@@ -90,7 +92,16 @@ class Task:
 
 @dataclass(frozen=True)
 class Evaluated:
-    """What a task leaves: its row, its profiles when they are shown, and whether it was solved now."""
+    """Result of a task.
+
+    Parameters
+    ----------
+    level : Level
+    snapshots : Snapshots or None
+        Fields and histories for the pages, of a task that is `shown`.
+    solved : bool
+        Whether the run was solved now, and not read back.
+    """
 
     level: Level
     snapshots: Snapshots | None = None
@@ -103,25 +114,25 @@ def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discre
     Parameters
     ----------
     problem : VerificationProblem
-        Its exact solution is no content: a solver does not see it.
+        Its exact solution is not in the key: a solver does not see it.
     solver : Solver
     discretisation : Discretisation
 
     Raises
     ------
     UsageError
-        If one of them is no value; see `digest`.
+        If one of them is not a value; see `digest`.
     """
     return digest(problem.problem, solver, discretisation)
 
 
 def failed(task: Task, status: Status, detail: str) -> Evaluated:
-    """Row of a run that left no solution: it crashed or timed out. Nothing is stored, so that it is tried again."""
+    """Result of a run without a solution: it crashed or timed out. Nothing is stored, so that the run is tried again."""
     return Evaluated(_level(task, Outcome(status, plain(detail))), solved=True)
 
 
 def evaluate(task: Task) -> Evaluated:
-    """Solve, or read back, and compare.
+    """Solve a run or read it back, and compare it with the exact solution.
 
     Raises
     ------
@@ -146,12 +157,12 @@ def evaluate(task: Task) -> Evaluated:
         return Evaluated(_compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
     except MpmverifyError:
         raise
-    except (Exception, SystemExit) as error:  # a solver under test may raise anything, and its neighbours must still finish
+    except (Exception, SystemExit) as error:  # a solver under test may raise anything; the other runs must still finish
         return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({place(error)})")
 
 
 def place(error: BaseException) -> str:
-    """File and line of an exception: the innermost of the user's own code, for a library seldom shows what is wrong."""
+    """File and line of an exception: the innermost frame in the user's own code, not in a library."""
     frames = traceback.extract_tb(error.__traceback__)[1:] or traceback.extract_tb(error.__traceback__)
     where = next((frame for frame in reversed(frames) if not in_library(Path(frame.filename))), frames[-1])
     return f"{Path(where.filename).name}:{where.lineno}"
@@ -197,5 +208,5 @@ def _snapshots(task: Task, solution: Solution) -> Snapshots:
 
 
 def _spread(count: int, most: int) -> np.ndarray:
-    """Return at most `most` of `count` indices, evenly, with both ends."""
+    """Return at most `most` of `count` indices, evenly spaced, with the first and the last."""
     return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(int))
