@@ -560,7 +560,7 @@ def test_a_study_without_criteria_metrics_or_finished_runs_is_stored(tmp_path):
         assert opened["scripted-raises"].sizes["level"] == 3
 
 
-def test_damage_inside_a_study_file_never_raises_anything_else(tmp_path, stored):
+def test_damage_inside_a_study_file_raises_no_unexpected_error(tmp_path, stored):
     """Random bytes are changed: the file is refused in one sentence, unless the changed bytes are not read."""
     sound = (stored[0] / "mixed.nc").read_bytes()
     rng = np.random.default_rng(7)

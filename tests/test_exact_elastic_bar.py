@@ -49,7 +49,7 @@ def test_characteristics(bar, start, offset, direction):
 
 @given(bars)
 def test_displacement_is_the_integral_of_velocity_across_fronts(bar):
-    """u_t = v off the fronts is tested in test_exact.py; here, that u does not jump: its increments are bounded by |v|."""
+    """The increments of u are bounded by |v|, so u does not jump; u_t = v away from the fronts is tested in test_exact.py."""
     _, velocity, L, c, impedance = fields(bar)
     t = np.linspace(0, bar.problem.end_time, 4001)
     x = L * np.array([[0.0], [0.31], [0.77], [1.0]])

@@ -188,8 +188,8 @@ def test_faces_are_rollers(name):
 
 
 @pytest.mark.parametrize("name", ["steffen", "square", "cube"])
-def test_final_state_is_no_zero_of_any_field(name):
-    """The rings, whose literature ends where it began, are judged over all times."""
+def test_no_field_vanishes_at_the_final_time(name):
+    """The rings are judged over all times, because their displacement is zero at the final time of the literature."""
     problem, fields = PROBLEMS[name].problem, PROBLEMS[name].exact.fields
     X, t = points(problem, 200), np.linspace(0, problem.end_time, 200)
     for field in fields.values():

@@ -1,4 +1,4 @@
-"""Limits of stability: their theory, their search on a running solver, and the verdict on what it finds."""
+"""Stability limits: the theory, the measurement by bisection on a running solver, and the verdict on the measured limit."""
 
 import math
 from dataclasses import dataclass, replace
@@ -28,15 +28,15 @@ SERIES = {
 
 
 def step(courant, A, D, schedule, terms, full):
-    """Matrix of a step on nodal velocity w and strain measure e, from what the scheme does one after the other."""
+    """Return the matrix of one step on nodal velocity w and strain measure e, as the product of the scheme's operations."""
     kick, strain = np.array([[1.0, -(courant**2) * D], [0.0, 1.0]]), np.array([[1.0, 0.0], [1.0, 1.0]])
-    if schedule != "USL":  # strain from the old velocity; what the grid sees again of the kick is A of it
+    if schedule != "USL":  # strain from the old velocity; the transfer to the particles and back multiplies the kick by A
         return np.array([[1.0, -A * courant**2 * D], [0.0, 1.0]]) @ strain
-    if not terms:  # strain from the kicked velocity, of which the particles give A of the kick back
+    if not terms:  # strain from the kicked velocity; the transfer to the particles and back multiplies the kick by A
         back = np.array([[1.0, -A * courant**2 * D], [0.0, 1.0]])
         return np.array([back[0], (strain @ kick)[1]])
     R = sum((1 - A) ** j for j in range(terms))
-    if full:  # the state is the velocity that the particles took; the grid sees A of it
+    if full:  # the state is the velocity that the particles took over; its transfer to the grid multiplies it by A
         return strain @ np.diag([R, 1.0]) @ kick @ np.diag([A, 1.0])
     back = np.array([[R * A, -A * courant**2 * D], [0.0, 1.0]])
     return np.array([back[0], (strain @ kick)[1]])
@@ -46,7 +46,7 @@ def step(courant, A, D, schedule, terms, full):
 @pytest.mark.parametrize("degree", BASES.values())
 @pytest.mark.parametrize(("schedule", "terms", "full"), sorted(SERIES))
 def test_a_mode_begins_to_grow_at_its_limit(schedule, terms, full, degree, ppc):
-    """Eigenvalues of the step of a mode, a little below its limit and a little above."""
+    """The largest eigenvalue of a step is compared with 1, a little below the limit of the mode and a little above."""
     for theta in np.random.default_rng(ppc).uniform(0.3, np.pi, 20):
         ((A,), (D,)) = symbols(np.array([theta]), ppc, degree)
         (limit,) = np.sqrt(squared_limit(np.array([theta]), ppc, schedule=schedule, degree=degree, terms=terms, full_mass=full))
@@ -64,7 +64,7 @@ def test_limits_that_are_known():
 
 
 def test_the_more_terms_the_closer_a_series_comes_to_the_full_mass_matrix():
-    """R A -> 1: nu_C^2 = 4 A/D, which is that of the consistent mass."""
+    """With R A -> 1 the limit tends to nu_C^2 = 4 A/D, the limit of the consistent mass."""
     A, D = symbols(np.array([1.0]), 2, 1)
     (squared,) = squared_limit(np.array([1.0]), 2, schedule="USL", degree=1, terms=200)
     assert squared == pytest.approx(4 * A[0] / D[0], rel=1e-12)
@@ -72,18 +72,18 @@ def test_the_more_terms_the_closer_a_series_comes_to_the_full_mass_matrix():
 
 @pytest.mark.parametrize("degree", BASES.values())
 def test_symbols_are_those_of_a_partition_of_unity(degree):
-    """At theta = 0 a velocity comes back as it was, and strains nothing."""
-    (again,), (strains,) = symbols(np.zeros(1), 3, degree)
-    assert again == pytest.approx(1, abs=1e-14)
-    assert strains == pytest.approx(0, abs=1e-14)
-    _, (strains,) = symbols(np.array([1e-3]), 3, degree)
-    assert strains == pytest.approx(1e-6, rel=1e-3)
+    """At theta = 0 the transfers keep a velocity (A = 1), and its gradient is zero (D = 0)."""
+    (a,), (d,) = symbols(np.zeros(1), 3, degree)
+    assert a == pytest.approx(1, abs=1e-14)
+    assert d == pytest.approx(0, abs=1e-14)
+    _, (d,) = symbols(np.array([1e-3]), 3, degree)
+    assert d == pytest.approx(1e-6, rel=1e-3)
 
 
 # The ring.
 
 
-def test_the_waves_of_the_ring_solve_the_wave_equation_and_begin_as_the_problem_does():
+def test_the_waves_of_the_ring_solve_the_wave_equation_with_the_initial_data_of_the_problem():
     verification = ring_modes(12, length=3.0, youngs_modulus=5.0, density=2.0)
     problem, fields = verification.problem, verification.exact.fields
     X, t, e = np.linspace(0, 3, 31)[:, None], np.array([0.37]), 1e-4
@@ -105,7 +105,7 @@ def test_the_waves_of_the_ring_solve_the_wave_equation_and_begin_as_the_problem_
 
 
 def test_every_wave_of_the_ring_strains_the_middle_of_a_cell():
-    """None is invisible to a particle there, not even the shortest."""
+    """A particle there sees every wave, including the shortest."""
     problem = ring_modes(12).problem
     middles = (np.arange(12)[:, None] + 0.5) * problem.upper[0] / 12
     spectrum = np.abs(np.fft.rfft(problem.initial["displacement_gradient"](middles)[:, 0]))
@@ -119,7 +119,7 @@ def test_every_wave_of_the_ring_strains_the_middle_of_a_cell():
 
 @dataclass(frozen=True)
 class Limited:
-    """A solver that is stable up to a Courant number; it says so, or its energy does."""
+    """A solver that is stable up to a Courant number; beyond it `says` selects its status, its energy or NaN as the sign."""
 
     limit: float
     says: str = "status"
@@ -163,13 +163,13 @@ def test_a_solver_that_is_stable_on_its_level_is_returned_as_it_is():
     assert courant == pytest.approx(4, rel=2e-3)
 
 
-def test_a_solver_that_is_never_stable_says_so():
+def test_a_solver_that_is_never_stable_returns_an_unstable_run():
     found, _ = limit_of(Limited(1e-9))
     assert found.outcome.status is Status.UNSTABLE
     assert "still" in found.outcome.detail
 
 
-def test_a_run_that_ends_in_another_way_is_no_limit():
+def test_a_run_that_ends_by_a_crash_is_not_a_limit():
     found, _ = limit_of(Limited(0.5, "crash"))
     assert found.outcome.status is Status.CRASHED
 
@@ -209,7 +209,7 @@ def test_a_scheme_without_a_known_limit_is_refused():
 
 @dataclass(frozen=True)
 class Hasty:
-    """A material point solver that takes another time step than it says, as one that forgets a half does."""
+    """A material point solver whose actual time step is `factor` times the one that it reports."""
 
     solver: MaterialPoint
     factor: float

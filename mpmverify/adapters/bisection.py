@@ -66,7 +66,7 @@ class Bisection:
                 break
             above = below
         else:
-            return replace(found, outcome=Outcome(Status.UNSTABLE, f"it grows at nu_C = {above:.3g} still"))
+            return replace(found, outcome=Outcome(Status.UNSTABLE, f"still unstable at nu_C = {above:.3g}"))
         while found.outcome.completed and above > (1 + self.resolution) * below:
             middle = (below + above) / 2
             tried = solved(middle)
