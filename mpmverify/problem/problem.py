@@ -35,7 +35,7 @@ class Spatial:
 
 @dataclass(frozen=True)
 class Problem:
-    """An initial-boundary-value problem on a box; two-dimensional problems are in plane strain.
+    """An initial-boundary-value problem on a box; in two dimensions plane strain, unless the material is in plane stress.
 
     Parameters
     ----------
