@@ -154,9 +154,9 @@ def one_step(
     """Matrix (2 (n + 1), 2 (n + 1)) of one time step of the bar."""
     case = problem(BAR, left, right, 1.0)
     _, form = taylor_galerkin.first_order_form(case, "probe")
-    bounded, (prescribed, incoming, holds, datum) = taylor_galerkin.boundary_terms(case, "probe", np.zeros(3))
+    bounded, (prescribed, incoming, correction, datum) = taylor_galerkin.boundary_terms(case, "probe", np.zeros(3))
     assert bounded
-    faces = (prescribed, incoming, scale * (incoming if characteristic else holds), datum)
+    faces = (prescribed, incoming, scale * (incoming if characteristic else correction), datum)
     mass = np.full(n + 1, 1 / n)
     mass[[0, -1]] /= 2
     columns = []

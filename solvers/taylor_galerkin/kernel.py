@@ -47,9 +47,9 @@ def march(
     ----------
     U : (nodes, m) nodal unknowns. A periodic mesh has as many nodes as elements, any other has one more.
     form : A (m, m), load (m,) and weight (m,) of the system U_t + A U_x = load b and of the amplitude sum_k weight_k |U_k|.
-    faces : l (2, m), incoming (2, m), holds (2, m) and datum (2, 2 N + 1). Each face prescribes l . U = datum, with the
+    faces : l (2, m), incoming (2, m), correction (2, m) and datum (2, 2 N + 1). Each face prescribes l . U = datum, with the
         datum given at every half step. The contour flux uses the state U* + incoming (datum - l . U*). Every pass after the
-        first adds holds (datum - l . U) to U.
+        first adds correction (datum - l . U) to U.
     source : (2 count, elements) b at the Gauss points, at t^n and t^{n+1/2} of every step.
     passes : mass-matrix passes.
     mass : (nodes,) lumped mass matrix M_L [m].
@@ -74,7 +74,7 @@ def march(
         \Delta U_j &= \Delta U_{j-1} + M_L^{-1} (R - M\,\Delta U_{j-1}), \quad \Delta U_0 = 0
     """
     A, load, weight = form
-    prescribed, incoming, holds, datum = faces
+    prescribed, incoming, correction, datum = faces
     total, square, gain, work, ends = history
     nodes, m = U.shape
     elements = source.shape[1]
@@ -125,9 +125,9 @@ def march(
                         star[k] = U[i, k] + dU[i, k]
                     gap = datum[face, 2 * n + 2] - dot(prescribed[face], star)
                     for k in range(m):
-                        dU[i, k] += holds[face, k] * gap
+                        dU[i, k] += correction[face, k] * gap
                         if sweep == passes - 1:
-                            gain[n + 1, k] += mass[i] * holds[face, k] * gap
+                            gain[n + 1, k] += mass[i] * correction[face, k] * gap
             if sweep < passes - 1:
                 MdU[:] = 0.0
                 for e in range(elements):

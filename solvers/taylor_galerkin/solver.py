@@ -28,7 +28,7 @@ from mpmverify.solution import Outcome, Solution, Status, Work
 
 from .kernel import march
 
-GENEROUS = 10.0
+MARGIN = 10.0
 """A run is unstable when its amplitude exceeds the bound of the exact solution times this; Gibbs overshoots stay below 2."""
 BLOCK = 2**18
 """Largest number of body-force values that are stored at once."""
@@ -56,7 +56,7 @@ def first_order_form(problem: Problem, solver: str) -> tuple[tuple[str, ...], tu
 
 
 def boundary_terms(problem: Problem, solver: str, half_times: Array) -> tuple[bool, tuple[Array, ...]]:
-    """Return whether the mesh has faces (is not periodic), and their (prescribed, incoming, holds, datum); see `march`.
+    """Return whether the mesh has faces (is not periodic), and their (prescribed, incoming, correction, datum); see `march`.
 
     The contour flux is split into characteristics. With Z = rho c and the outward normal n, the outgoing variable sigma - n Z v
     is kept. The incoming part, along (n Z, 1), is set so that the traction or the velocity takes its prescribed value; at an
@@ -88,8 +88,8 @@ def boundary_terms(problem: Problem, solver: str, half_times: Array) -> tuple[bo
                 rows.append([[0.0, 1.0], [nZ, 1.0], [0.0, 1.0]])
             case _:
                 rows.append([[1.0, nZ], [0.5, 0.5 / nZ], [0.5, 0.5 / nZ]])
-    prescribed, incoming, holds = np.array(rows).swapaxes(0, 1).copy()
-    return not all(joined), (prescribed, incoming, holds, datum)
+    prescribed, incoming, correction = np.array(rows).swapaxes(0, 1).copy()
+    return not all(joined), (prescribed, incoming, correction, datum)
 
 
 def named_histories(problem: Problem, instants: Array, A: Array, history: tuple[Array, ...]) -> dict[str, Array]:
@@ -182,11 +182,11 @@ class TaylorGalerkin:
         centres = problem.lower[0] + h * (np.arange(elements, dtype=float)[:, None] + 0.5)
         mass = np.full(len(nodes), h)
         U = np.concatenate([problem.initial_field(quantity, nodes) for quantity in quantities], axis=1)
-        prescribed, incoming, holds, datum = faces
+        prescribed, incoming, correction, datum = faces
         if bounded and isinstance(problem.material, LinearElastic):
             # Where initial state and boundary datum differ, the end node takes the datum: the front then starts at the face.
             for face in (0, -1):
-                U[face] += holds[face] * (datum[face, 0] - prescribed[face] @ U[face])
+                U[face] += correction[face] * (datum[face, 0] - prescribed[face] @ U[face])
 
         m = len(quantities)
         outputs = output_steps(steps, problem.outputs)
@@ -214,7 +214,7 @@ class TaylorGalerkin:
                 times = half_times[2 * made : 2 * end]
                 source[: times.size] = np.reshape(problem.body_force(centres, times), (times.size, elements))
                 largest_source = max(largest_source, float(np.max(np.abs(source))))
-            limit = GENEROUS * (bound + weight @ load * largest_source * instants)
+            limit = MARGIN * (bound + weight @ load * largest_source * instants)
             history = total, square, gain, work, ends
             arguments = (U, form, faces, source, self.passes, mass, h, dt, made, end - made, limit, row, fields, history)
             march.compile(numba.typeof(arguments).types)
