@@ -211,7 +211,7 @@ TAYLOR_GALERKIN = (
     _fault(TG, "datum of the face half a step early", (TG_LOOP, "datum[face, 2 * n + 1]", "datum[face, 2 * n]")),
     _fault(TG, "one mass pass less", (TG_LOOP, "for sweep in range(passes)", "for sweep in range(max(1, passes - 1))")),
     _fault(TG, "row of the consistent mass matrix doubled", (TG_LOOP, "MdU[i, k] += h / 6 *", "MdU[i, k] += h / 3 *")),
-    _fault(TG, "prescribed unknown not held in later passes", (TG_LOOP, "dU[i, k] += holds[face, k] * gap", "pass")),
+    _fault(TG, "prescribed unknown not held in later passes", (TG_LOOP, "dU[i, k] += correction[face, k] * gap", "pass")),
     _fault(TG, "end node of full mass", (TG_SOLVER, "mass[[0, -1]] = 0.5 * h", "pass")),
     _fault(TG, "modulus halved", (TG_SOLVER, MODULUS, MODULUS.replace("-(", "-0.5 * ("))),
     _fault(
