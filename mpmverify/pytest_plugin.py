@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mpmverify.criteria.criterion import Criterion
     from mpmverify.criteria.evidence import SeriesId
     from mpmverify.execution.runner import Plan
-    from mpmverify.execution.shared_study import Bench, CriterionId
+    from mpmverify.execution.shared_study import CriterionId, SharedStudy
     from mpmverify.judgement.findings import Finding
     from mpmverify.solution import Solver
     from mpmverify.study import Refinement, Study
@@ -100,7 +100,7 @@ class Studies(pytest.Collector):
             If one is unknown or has no criterion, or two share a name.
         """
         from mpmverify import studies
-        from mpmverify.execution.shared_study import Bench
+        from mpmverify.execution.shared_study import SharedStudy
 
         shared = getattr(self.config, "workerinput", {}).get("mpmverify_shared", "")
         known: dict[str, str] = {}
@@ -109,7 +109,7 @@ class Studies(pytest.Collector):
                 study = _own_study(name) if ":" in name else studies.get(name)
                 if known.setdefault(study.name, name) != name:
                     raise UsageError(f"{known[study.name]!r} and {name!r} are both named {study.name!r}: rename one")
-                bench = Bench(study, self._plan, partial(self._wanted, study.name), ":" not in name, shared)
+                bench = SharedStudy(study, self._plan, partial(self._wanted, study.name), ":" not in name, shared)
                 tree = bench.declared()
                 if not any(titles for cases in tree.values() for ladders in cases.values() for titles in ladders.values()):
                     raise UsageError(f"the study {name!r} has no criterion: say what must hold of its series")
@@ -162,7 +162,7 @@ class Branch(pytest.Collector):
 
     KINDS = ("Study", "Case", "Solver", "Refinement")
 
-    def __init__(self, *, bench: "Bench", tree: Any, above: tuple[str, ...] = (), **choices: Any) -> None:
+    def __init__(self, *, bench: "SharedStudy", tree: Any, above: tuple[str, ...] = (), **choices: Any) -> None:
         super().__init__(**choices)
         self.bench, self.tree, self.above = bench, tree, above
 
@@ -183,7 +183,7 @@ class Branch(pytest.Collector):
 class CriterionItem(pytest.Item):
     """One criterion of one series."""
 
-    def __init__(self, *, bench: "Bench", identity: "CriterionId", **choices: Any) -> None:
+    def __init__(self, *, bench: "SharedStudy", identity: "CriterionId", **choices: Any) -> None:
         super().__init__(**choices)
         self.bench, self.identity = bench, identity
         self.add_marker(ROOT)

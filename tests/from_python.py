@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 from numba import njit
 
-from mpmverify.solvers.mpm import basis, passes, stencil, transfer
+from mpmverify.solvers.mpm import splines, stencil, support
 from mpmverify.solvers.mpm.order import strips
 from mpmverify.solvers.mpm.state import nodal
 from mpmverify.solvers.mpm.vectors import columns, constant, scale
@@ -34,9 +34,9 @@ def of_the_first(values):
 
 @traced
 def _along(grid, s):
-    first, offset = stencil.begin(grid, 0, s, 1.0)
-    N, dN = basis.along(grid, 0, first, offset)
-    return first, N, dN, basis.moment_along(grid, 0, first, s, N)
+    (first,), (offset,) = grid.kind.begins(grid, (s,), (1.0,))
+    N, dN = splines.along(grid, 0, first, offset)
+    return first, N, dN, support.moment_along(grid, 0, first, s, N)
 
 
 @njit(**ARITHMETIC)
@@ -62,28 +62,34 @@ def supported(scheme, grid, particles, p):
 @traced
 def _support(scheme, grid, particles, p):
     some = stencil.group(scheme, grid, particles, p, p + 1)
-    return some, passes.support_of(grid, particles, some)
+    return some, stencil.support_of(grid, particles, some)
 
 
-@njit(**ARITHMETIC)
-def moments_of_inertia(scheme, grid, particles, p):
-    """D of a particle, a diagonal (d,) [m^2]."""
-    at = _support(scheme, grid, particles, p)[1]
-    return of_the_first(scale(1 / grid.scale**2, stencil.moments(grid, at[3], at[4], at[1])[1]))
+@traced
+def _moments_of_inertia(scheme, grid, particles, p):
+    _, D = _support(scheme, grid, particles, p)[1].moments(grid)
+    return of_the_first(scale(1 / (grid.scale * grid.scale), D))
 
 
-@njit(**ARITHMETIC)
+moments_of_inertia = callable_from_python(_moments_of_inertia)
+"""D of a particle, a diagonal (d,) [m^2]."""
+
+
+@traced
 def _spread(scheme, grid, particles, p, N, dN, directions):
     some, at = _support(scheme, grid, particles, p)
-    transfer.spread(grid, N, 0, at, (some.present,))
-    transfer.spread_tensor(grid, dN, 0, at, columns(directions, constant(some.present, grid.lower)))
+    at.spread(grid, N, 0, (some.present,))
+    at.spread_tensor(grid, dN, 0, columns(directions, constant(some.present, grid.lower)))
+
+
+spread = callable_from_python(_spread)
 
 
 def functions_of(scheme, grid, particles, nodes, p):
     """N_I (n,) and dN_I/dx (n, d) of a particle on n nodes (n, d)."""
     dimension, count = len(grid.lower), len(nodes)
     N, dN = nodal(1, count), nodal(dimension, count)
-    _spread(scheme, grid, particles, p, N, dN, tuple(np.eye(dimension).ravel().tolist()))
+    spread(scheme, grid, particles, p, N, dN, tuple(np.eye(dimension).ravel().tolist()))
     return N[0], dN.T
 
 

@@ -26,14 +26,15 @@ from mpmverify.problem import (
     Velocity,
 )
 from mpmverify.solution import Status
-from mpmverify.solvers.mpm import APIC, FLIP, GAUSS, PIC, TPIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
+from mpmverify.solvers.mpm import AFLIP, APIC, FLIP, GAUSS, PIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
 from mpmverify.solvers.mpm.layout import place_particles
+from mpmverify.solvers.mpm.transfers import TRANSFERS
 
 FIXED, FREE = Velocity(), Traction()
 VARIANTS = [
     MaterialPoint(schedule, transfer, basis, formulation)
     for schedule, transfer, basis, formulation in itertools.product(
-        ("USF", "USL", "MUSL"), (FLIP, PIC, blend(0.95), APIC, TPIC), ("linear", "quadratic", "cubic"), ("updated", "total")
+        ("USF", "USL", "MUSL"), (*TRANSFERS, blend(0.95)), ("linear", "quadratic", "cubic"), ("updated", "total")
     )
 ]
 frozen_functions = pytest.mark.parametrize(
@@ -104,6 +105,15 @@ def test_a_second_term_takes_back_what_pic_damps_at_first_order(transfer, schedu
     for quantity in ("displacement", "velocity"):
         found = series(axial_vibration(v0=1e-4), variant, (32, 64, 128), quantity=quantity)
         assert np.all(orders(found) > 1.85), quantity
+
+
+@pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
+@pytest.mark.parametrize("basis", ["linear", "quadratic"])
+def test_the_orders_of_aflip(basis, schedule):
+    variant = MaterialPoint(schedule, AFLIP, basis)
+    for quantity, formal in variant.orders.items():
+        found = orders(series(axial_vibration(v0=1e-4), variant, (16, 32, 64), quantity=quantity))
+        assert np.all((found > formal - 0.1) & (found < formal + 0.5)), quantity
 
 
 @pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])

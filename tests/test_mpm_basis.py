@@ -11,9 +11,9 @@ from hypothesis.extra.numpy import arrays
 
 from mpmverify.problem import Constant, Discretisation, LinearElastic, Periodic, Problem, Traction
 from mpmverify.solvers.mpm import MaterialPoint
-from mpmverify.solvers.mpm.basis import BASES, SPLINES, Basis, spline_axis
+from mpmverify.solvers.mpm.basis import BASES, Basis, grid_of, spline_axis
 from mpmverify.solvers.mpm.faces import ghosts, integrals, node_positions
-from mpmverify.solvers.mpm.state import grid_of
+from mpmverify.solvers.mpm.splines import Splines
 
 degrees = st.sampled_from([1, 2, 3])
 axes = st.tuples(st.integers(1, 9), degrees, st.booleans())
@@ -24,7 +24,7 @@ LOWER, H = -1.0, 0.25
 def axis(choices):
     cells, degree, periodic = choices
     found = spline_axis(LOWER, H, cells, degree, periodic)
-    return found, grid_of((found,), H, Basis(SPLINES, degree, degree + 1), ghosts((found,)), 0.25, False)
+    return found, grid_of((found,), H, Basis(Splines(), degree, degree + 1), ghosts((found,)), 0.25, False)
 
 
 def functions(choices, place):

@@ -1,7 +1,7 @@
 """Constitutive laws of the material point: what mechanics asks of each, in one, two and three dimensions."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from itertools import pairwise
 
@@ -23,20 +23,26 @@ from mpmverify.problem.material import (
     NeoHookeanSplit,
     PlaneStress,
     SaintVenantKirchhoff,
+    Yeoh,
 )
 from mpmverify.solvers import mpm
-from mpmverify.solvers.mpm.constitution import LAWS
+from mpmverify.solvers.mpm.constitution import LAWS, FiniteStrain, Linear
 
 constitution = entries(mpm.constitution)
 DT = 0.01
-HYPERELASTIC = [law(7.0, 2.0, 0.3) for law in (NeoHookean, NeoHookeanSplit, Hencky, SaintVenantKirchhoff)]
-SMALL_STRAIN = [
-    LinearElastic(7.0, 2.0, 0.3),
-    PlaneStress(7.0, 2.0, 0.3),
-    KelvinVoigt(7.0, 2.0, 0.3, viscosity=0.4),
-    Maxwell(7.0, 2.0, 0.3, relaxation_time=0.05),
-]
-MATERIALS = HYPERELASTIC + SMALL_STRAIN
+PARAMETERS = {"viscosity": 0.4, "relaxation_time": 0.05}
+"""Of materials that ask for more than E, rho and nu; others get 0.3."""
+
+
+def example(kind):
+    """A material of a kind, with a value for each parameter that has no default."""
+    own = [field.name for field in fields(kind) if field.kw_only]
+    return kind(7.0, 2.0, 0.3, **{name: PARAMETERS.get(name, 0.3) for name in own})
+
+
+MATERIALS = [example(kind) for kind in LAWS]
+HYPERELASTIC = [material for material in MATERIALS if isinstance(LAWS[type(material)], FiniteStrain)]
+SMALL_STRAIN = [material for material in MATERIALS if material not in HYPERELASTIC]
 MODULUS = 10.0
 """lambda + 2 mu is 9.42 or, in plane stress, 7.69 [Pa]: what stress is measured in."""
 
@@ -134,6 +140,8 @@ def test_every_elastic_material_has_its_law():
     }
     assert set(LAWS) == {type(material) for material in MATERIALS} == declared
     assert len(set(laws)) == len(laws) - 1  # plane stress is linear elastic
+    linear = [type(material) for material, law in zip(MATERIALS, laws, strict=True) if isinstance(law, Linear)]
+    assert linear == [LinearElastic, PlaneStress]
     assert [constitution.finite_strain(law) for law in laws] == [material in HYPERELASTIC for material in MATERIALS]
 
 
@@ -227,12 +235,13 @@ def test_a_law_of_small_strain_does_not_see_the_volume(material):
 def test_uniaxial_forms_of_the_field():
     """P of one dimension as the literature writes it."""
     F, lame, mu = 1.3, HYPERELASTIC[0].lame_lambda, HYPERELASTIC[0].shear_modulus
-    E, bulk = (F * F - 1) / 2, lame + 2 * mu / 3
+    E, bulk, x = (F * F - 1) / 2, lame + 2 * mu / 3, F ** (-2 / 3) * (F * F + 2) - 3
     expected = {
         NeoHookean: lame * math.log(F) / F + mu * (F - 1 / F),
         NeoHookeanSplit: bulk / 2 * (F - 1 / F) + 2 * mu / 3 * F ** (-2 / 3) * (F - 1 / F),
         Hencky: (lame + 2 * mu) * math.log(F) / F,
         SaintVenantKirchhoff: (lame + 2 * mu) * E * F,
+        Yeoh: bulk / 2 * (F - 1 / F) + 4 / 3 * (mu / 2 + 0.6 * x + 0.9 * x * x) * F ** (-2 / 3) * (F - 1 / F),
     }
     for material in HYPERELASTIC:
         assert stress(material, np.array([[F]])).item() == pytest.approx(expected[type(material)], rel=1e-14), name(material)
@@ -417,6 +426,16 @@ def test_a_viscous_material_refuses_what_is_no_viscosity(value):
     ):
         with pytest.raises(UsageError, match=f"the {what}.* must be positive and finite"):
             make(1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("second", "third", "why"),
+    [(math.nan, 0.0, "must be finite"), (0.0, -0.1, "soften"), (-0.1, 0.0, "soften"), (-1.0, 1 / 1.5, "soften")],
+)
+def test_a_yeoh_body_refuses_to_soften_without_bound(second, third, why):
+    with pytest.raises(UsageError, match=why):
+        Yeoh(2.0, 1.0, second=second, third=third)  # mu = 1
+    assert Yeoh(2.0, 1.0, second=-1.0, third=0.7).third == 0.7
 
 
 @all_materials

@@ -7,8 +7,8 @@ from from_python import callable_from_python, entries, of_the_first
 from mpmverify.problem import Discretisation, LinearElastic, Periodic, Problem, Traction
 from mpmverify.solvers import mpm
 from mpmverify.solvers.mpm import MaterialPoint, stencil
-from mpmverify.solvers.mpm.order import strips
-from mpmverify.solvers.mpm.state import FAILED, PASSED, UNSORTED
+from mpmverify.solvers.mpm.order import UNSORTED, strips
+from mpmverify.solvers.mpm.state import FAILED, PASSED
 from mpmverify.solvers.tracing import traced
 
 order = entries(mpm.order)

@@ -105,7 +105,7 @@ FEM_NEO_HOOKEAN = Trial("manufactured-1d", "no-crossing", FiniteElement(2, "cons
 FEM_POISSON = Trial("manufactured-1d", "poisson", FiniteElement(2, "consistent", "central-differences"))
 
 FAIL, ERROR = Verdict.FAIL, Verdict.ERROR
-MPM_LAW, MPM_PASSES, MPM_GRID, MPM_FACES = "mpm/constitution.py", "mpm/passes.py", "mpm/grid.py", "mpm/faces.py"
+MPM_LAW, MPM_PASSES, MPM_GRID, MPM_FACES = "mpm/small_strain.py", "mpm/passes.py", "mpm/grid.py", "mpm/faces.py"
 MPM_SOLVER, MPM_DEFORMATION = "mpm/solver.py", "mpm/deformation.py"
 MPM_HOOKE = "return shifted(lame * trace(eps), 2 * shear, eps)"
 MPM_STRAINED = "strained = strain(scheme, particles, some, scale(step.dt, gradient)"

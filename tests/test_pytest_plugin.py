@@ -12,7 +12,7 @@ from faulty_solvers import SECOND_ORDER, Scripted, plan, study
 
 from mpmverify.criteria import Stall
 from mpmverify.execution.runner import run
-from mpmverify.execution.shared_study import Bench
+from mpmverify.execution.shared_study import SharedStudy
 
 TESTS = Path(__file__).parent
 OWN = """
@@ -158,7 +158,7 @@ def test_the_items_of_a_study_are_its_findings(tmp_path):
     """Otherwise a verdict would be made that nobody sees, or a test be listed that is never judged."""
     stalled = study(criteria=(Stall("u", "L2", 0.5, "made so"), *SECOND_ORDER), name="stalled")
     for declared in (study(Scripted(), Scripted("nan")), stalled):
-        tree = Bench(declared, lambda: plan(tmp_path), set, gated=True).declared()
+        tree = SharedStudy(declared, lambda: plan(tmp_path), set, gated=True).declared()
         listed = {(c, s, r, t) for c, below in tree.items() for s, rs in below.items() for r, ts in rs.items() for t in ts}
         (judged,) = run([declared], plan(tmp_path))
         assert listed == {(f.case, f.solver, f.refinement, f.criterion) for f in judged.findings}
@@ -284,7 +284,7 @@ FIXTURE = """
         ("verify(Mine(), HILL, refinement=ladder(2))", False, ["E*AssertionError: INCONCLUSIVE *an order needs three*"]),
         ("Mine.orders = {}; verify(Mine(), HILL)", False, ["E*UsageError: solver 'mine' declares no order of u*"]),
         ("verify(Mine(), HILL, criteria=[])", False, ["E*UsageError: no criterion is given for solver 'mine'*"]),
-        ("verify(object(), HILL)", False, ["E*UsageError: object is no solver: it lacks name, orders, conserves, solve"]),
+        ("verify(object(), HILL)", False, ["E*UsageError: object is not a solver: it lacks name, orders, conserves, solve"]),
         ("verify(Mine(), study='nope')", False, ["E*UsageError: unknown study 'nope': choose from advection*"]),
         (
             "pytest.raises(AssertionError, verify, Mine(), HILL, case='misspelt')",

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from jinja2 import meta
 
 from mpmverify.criteria import Balance, Order
-from mpmverify.criteria.evidence import Evidence, Level, SeriesId, by_series, evidence_of
+from mpmverify.criteria.evidence import Evidence, Level, SeriesId, evidence_by_series
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.selftest import write_selftest
 from mpmverify.dataset.snapshots import Snapshots
@@ -108,7 +108,7 @@ def store(results: Results, declared: Study, known: Baseline = NONE) -> list:
         table += [level(*where, h) for h in SIZES]
         if series.solver.name != "crashed":
             shots[where] = shot(*where)
-    evidence = {series: evidence_of(levels) for series, levels in by_series(table).items()}
+    evidence = evidence_by_series(table)
     judged = judge(declared.name, declared.criteria(), evidence, known, declared.restricted_to)
     results.create()
     write_study(results.study(declared.name), declared, table, shots, judged, tier="quick", inputs="inputs")

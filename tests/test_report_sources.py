@@ -12,7 +12,7 @@ from test_report import Page, Scheme, study
 from mpmverify.convergence.sources import Separation, Source
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Order, Separated
-from mpmverify.criteria.evidence import Level, by_series, evidence_of
+from mpmverify.criteria.evidence import Level, evidence_by_series
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.sources import NAMES, with_sources
 from mpmverify.dataset.study import read_study, read_tree, write_study
@@ -59,7 +59,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Record]:
             where = ("hill", "good", entry.refinement.label, at.h, at.courant, at.ppc, f"{at.h}-{at.courant}")
             table.append(Level(*where, dt=dt, errors={"u": (norms, np.ones(4))}))
     results.create()
-    evidence = {series: evidence_of(levels) for series, levels in by_series(table).items()}
+    evidence = evidence_by_series(table)
     found = judge("sources", declared.criteria(), evidence, Baseline(Path("none")))
     write_study(results.study("sources"), declared, table, {}, found, tier="quick", inputs="")
     render(results)

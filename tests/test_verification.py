@@ -242,8 +242,8 @@ def test_nothing_of_an_earlier_run_is_reused():
 @pytest.mark.parametrize(
     ("solver", "choices", "sentence"),
     [
-        (object(), {}, "object is no solver: it lacks name, orders, conserves, solve"),
-        (Scripted, {}, "Scripted is a class and no solver: give an instance of it"),
+        (object(), {}, "object is not a solver: it lacks name, orders, conserves, solve"),
+        (Scripted, {}, "Scripted is a class: give an instance of it"),
         (Declaring(orders=[("u", 2.0)]), {}, "declares its orders as [('u', 2.0)]: give a mapping of quantity to order"),
         (Declaring(orders={"u": True}), {}, "declares the order True of u: an order is positive and finite"),
         (Declaring(orders={"u": "2"}), {}, "declares the order '2' of u: an order is positive and finite"),
@@ -266,7 +266,7 @@ def test_where_nothing_can_be_judged_a_sentence_says_why(solver, choices, senten
     if sentence is None:
         local = type("Local", (Plain,), {})()
         with pytest.raises(
-            UsageError, match=r"cannot travel to a worker process .*: define it in a module, or give no timeout"
+            UsageError, match=r"cannot be sent to a worker process .*: define it in a module, or give no timeout"
         ):
             verify(local, HILL, **choices)
         return
@@ -287,14 +287,14 @@ def test_a_study_of_several_cases_wants_to_know_which():
 )
 def test_declared_orders_are_looked_for_on_a_ladder_in_h_at_one_courant_number_alone(refinement):
     """On any other a scheme of another order could pass, or the right one fail."""
-    with pytest.raises(UsageError, match=r"is no ladder in h at one Courant number, .* give such a one by refinement="):
+    with pytest.raises(UsageError, match=r"is not a ladder in h at one Courant number, .* give such a ladder by refinement="):
         verify(Plain(), HILL, refinement=refinement)
     given = verify(Plain(), HILL, refinement=refinement, criteria=[Order("u", "L2", 1.85, 2.15, "ours")])
     assert [finding.refinement for finding in given] == [refinement.label]
 
 
 def test_a_design_shows_no_declared_order_and_the_first_ladder_in_h_is_taken():
-    with pytest.raises(UsageError, match="'3 h x 4 dt' on case 'h-and-dt' is no ladder in h"):
+    with pytest.raises(UsageError, match="'3 h x 4 dt' on case 'h-and-dt' is not a ladder in h"):
         verify(MaterialPoint(), studies.get("error-sources"), "h-and-dt")
     (case,) = HILL.cases
     both = (replace(case.series[0], refinement=design(1.0, cells=(8, 16), courant=(0.5, 0.25))), *case.series)

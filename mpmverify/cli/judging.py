@@ -2,11 +2,7 @@
 
 import os
 import sys
-import webbrowser
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -14,16 +10,13 @@ from mpmverify.cli.group import Group
 from mpmverify.cli.options import (
     EPILOG,
     Folder,
-    accepted,
     baseline_option,
     explain_option,
     open_option,
     out_option,
-    render,
-    shipped_baseline,
-    stored,
     studies_argument,
 )
+from mpmverify.cli.results import accepted, shipped_baseline, show_report, stored
 from mpmverify.errors import UsageError
 
 
@@ -61,18 +54,12 @@ def gate(
     known = accepted(baseline)
     findings = [finding for path in stored(out, studies) for finding in stored_studies.gate(path, known)]
     if junit:
-        with _opened(junit, "wb") as file:
-            file.write(summaries.junit(findings))
-    if summary:
-        with _opened(summary, "ab") as file:
-            text = summaries.markdown(findings, summaries.STEP_SUMMARY - (file.tell() if file.seekable() else 0))
-            file.write(text.encode())
-        if not text:
-            click.echo(f"'{summary}' is full: no verdicts were added to it.", err=True)
+        summaries.write_junit(junit, findings)
+    if summary and not summaries.append_markdown(summary, findings):
+        click.echo(f"'{summary}' is full: no verdicts were added to it.", err=True)
     show(findings, explain=explain)
     if os.environ.get("GITHUB_ACTIONS") == "true":
-        for command in summaries.annotations(findings, out):
-            click.echo(command)
+        click.echo("".join(f"{command}\n" for command in summaries.annotations(findings, out)), nl=False)
     sys.exit(exit_status([finding.verdict for finding in findings], strict=strict))
 
 
@@ -84,10 +71,7 @@ def report(out: Path, open_: bool) -> None:
     from mpmverify.dataset.files import Results
 
     stored(out, ())
-    page = render(Results(out), fresh=True)
-    click.echo(f"Report: {page}")
-    if open_:
-        webbrowser.open(page.resolve().as_uri())
+    show_report(Results(out), fresh=True, opened=open_)
 
 
 @click.command(epilog="Exit status: 0 nothing is worse or lost, 1 something is, 2 usage.")
@@ -132,12 +116,3 @@ def accept(studies: tuple[str, ...], out: Path, baseline: Path | None, reason: s
     count = stored_studies.accept(known, stored(out, studies), reason.strip())
     known.write()
     click.echo(f"Accepted {count} series into {known.path}")
-
-
-@contextmanager
-def _opened(path: Path, mode: str) -> Iterator[Any]:
-    try:
-        with path.open(mode) as file:
-            yield file
-    except OSError as error:
-        raise UsageError(f"cannot write '{path}' ({error.strerror}): choose another file") from error

@@ -1,18 +1,11 @@
-"""What several commands take, and where it leads."""
+"""Options and arguments that several commands take."""
 
 import math
 import os
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
-
-from mpmverify.errors import UsageError
-
-if TYPE_CHECKING:
-    from mpmverify.dataset.files import Results
-    from mpmverify.judgement.baseline import Baseline
 
 EPILOG = "Exit status: 0 pass, 1 a gate failed, 2 usage, 3 a run erred or nothing was judged, 4 inconclusive under --strict."
 
@@ -25,7 +18,7 @@ def positive(_ctx: click.Context, parameter: click.Parameter, value: float | Non
 
 
 class Folder(click.Path):
-    """A results folder, by a name that the netCDF library takes for what it is: UTF-8, and no blank before it."""
+    """A results folder. The netCDF library opens it only by a name in UTF-8 that begins with no blank."""
 
     def __init__(self) -> None:
         super().__init__(path_type=Path)
@@ -49,37 +42,3 @@ explain_option = click.option(
     "--explain", is_flag=True, help="Print the reason of every verdict, and where its expectation comes from."
 )
 open_option = click.option("--open", "open_", is_flag=True, help="Open the report in the browser.")
-
-
-def shipped_baseline() -> Path:
-    from mpmverify import studies
-
-    return studies.BASELINE
-
-
-def accepted(path: Path | None) -> "Baseline":
-    """Read the baseline that results are compared with."""
-    from mpmverify.judgement.baseline import read_baseline
-
-    if path and not path.exists():
-        raise UsageError(f"there is no baseline '{path}': make it with `mpmverify baseline accept`, or leave --baseline out")
-    return read_baseline(path or shipped_baseline())
-
-
-def stored(out: Path, names: Sequence[str]) -> list[Path]:
-    from mpmverify.dataset.files import Results
-
-    results = Results(out)
-    paths = [results.study(name) for name in dict.fromkeys(names)] if names else results.studies()
-    for path in paths:
-        if not path.exists():
-            raise UsageError(f"no results of {path.stem!r} in '{out}': run `mpmverify run {path.stem} --out {out}` first")
-    if not paths:
-        raise UsageError(f"no results in '{out}': run `mpmverify run --out {out}` first")
-    return paths
-
-
-def render(results: "Results", *, fresh: bool = False) -> Path:
-    from mpmverify.reports import render
-
-    return render(results, fresh=fresh)

@@ -1,7 +1,6 @@
 """Commands that solve: list the studies, run them, plant faults in their solvers."""
 
 import sys
-import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,16 +9,15 @@ import click
 
 from mpmverify.cli.options import (
     EPILOG,
-    accepted,
     baseline_option,
     explain_option,
     jobs_option,
     open_option,
     out_option,
     positive,
-    render,
     studies_argument,
 )
+from mpmverify.cli.results import accepted, show_report
 from mpmverify.errors import UsageError
 
 if TYPE_CHECKING:
@@ -98,10 +96,7 @@ def run(
     findings.sort(key=lambda finding: names.index(finding.study))
     show(findings, explain=explain)
     click.echo(f"{solved} runs solved, {reused} already at hand.")
-    page = render(plan.results)  # after the verdicts, which are known even where no report can be written
-    click.echo(f"Report: {page}")
-    if open_:
-        webbrowser.open(page.resolve().as_uri())
+    show_report(plan.results, opened=open_)  # last: the verdicts are shown even when no report can be written
     sys.exit(exit_status([finding.verdict for finding in findings]))
 
 
@@ -137,7 +132,7 @@ def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, expl
         test = Session(results, studies.get, sources, known, tier, jobs or processors()).run(progress.update)
     write_selftest(results.selftest, test)
     show_selftest(test, explain=explain)
-    click.echo(f"Report: {render(results)}")
+    show_report(results)
     sys.exit(0 if test.passed else 1)
 
 

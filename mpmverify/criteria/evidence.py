@@ -211,9 +211,9 @@ def evidence_of(levels: Sequence[Level]) -> Evidence:
     )
 
 
-def by_series(levels: Iterable[Level]) -> dict[SeriesId, list[Level]]:
-    """Levels of each series, in their order."""
+def evidence_by_series(levels: Iterable[Level]) -> dict[SeriesId, Evidence]:
+    """Evidence of every series that some levels belong to, in their order."""
     table: dict[SeriesId, list[Level]] = {}
     for level in levels:
         table.setdefault(level.series, []).append(level)
-    return table
+    return {series: evidence_of(members) for series, members in table.items()}

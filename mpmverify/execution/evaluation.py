@@ -1,12 +1,9 @@
-"""One run from its declaration to its row in the study: solved or read back, compared with the exact solution."""
+"""One run: solved or read back from its file, compared with the exact solution, and measured for the criteria."""
 
 import dataclasses
-import math
-import textwrap
 import traceback
 from collections.abc import Hashable
 from dataclasses import dataclass
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -20,18 +17,20 @@ from mpmverify.dataset.runs import read_run, write_run
 from mpmverify.dataset.snapshots import Snapshots
 from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.exact import VerificationProblem
+from mpmverify.execution.contract import breach, confirmed, malformed, plain
 from mpmverify.execution.keys import digest, in_library
 from mpmverify.problem import Discretisation
-from mpmverify.problem.quantities import components, history_units
 from mpmverify.solution import Outcome, Solution, Solver, Status
 
 SNAPSHOT_OUTPUTS = 32
+"""Output intervals of a run that its snapshots keep at most."""
 HISTORY_SAMPLES = 256
+"""Intervals of a run's histories that its snapshots keep at most."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """One run and what is measured on it; a value that travels to worker processes.
+    """One run and the criteria that measure it; a value that can be sent to worker processes.
 
     Parameters
     ----------
@@ -41,7 +40,7 @@ class Task:
     index : int
         Position among the runs of the study.
     case, refinement : str
-        Where the run stands in its study.
+        Series that the run belongs to, with the solver.
     problem : VerificationProblem
     solver : Solver
     discretisation : Discretisation
@@ -49,7 +48,7 @@ class Task:
     key : str
         Content key of the run.
     shown : bool
-        Whether its profiles and histories go into the study's file.
+        Whether its fields and histories go into the study's file.
     reuse : bool
         Whether a finished run may be read back.
     """
@@ -72,16 +71,16 @@ class Task:
 
     @property
     def kernel(self) -> Hashable:
-        """What the solver says that it compiles for the problem, see `Solver`; None if it does not say.
+        """Identity of the code that the solver compiles for the problem, see `Solver`; None when the solver does not declare it.
 
         Raises
         ------
         UsageError
-            If it raises, or says what is not hashable.
+            If the solver raises, or its declaration is not hashable.
         """
-        says = getattr(self.solver, "kernel", None)
+        declares = getattr(self.solver, "kernel", None)
         try:
-            found: Hashable = says(self.problem.problem) if callable(says) else None
+            found: Hashable = declares(self.problem.problem) if callable(declares) else None
             hash(found)
         except Exception as error:
             raise UsageError(
@@ -93,7 +92,16 @@ class Task:
 
 @dataclass(frozen=True)
 class Evaluated:
-    """What a task leaves: its row, its profiles when they are shown, and whether it was solved now."""
+    """Result of a task.
+
+    Parameters
+    ----------
+    level : Level
+    snapshots : Snapshots or None
+        Fields and histories for the pages, of a task that is `shown`.
+    solved : bool
+        Whether the run was solved now, and not read back.
+    """
 
     level: Level
     snapshots: Snapshots | None = None
@@ -106,25 +114,25 @@ def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discre
     Parameters
     ----------
     problem : VerificationProblem
-        Its exact solution is no content: a solver does not see it.
+        Its exact solution is not in the key: a solver does not see it.
     solver : Solver
     discretisation : Discretisation
 
     Raises
     ------
     UsageError
-        If one of them is no value; see `digest`.
+        If one of them is not a value; see `digest`.
     """
     return digest(problem.problem, solver, discretisation)
 
 
 def failed(task: Task, status: Status, detail: str) -> Evaluated:
-    """Row of a run that left no solution: it crashed or timed out. Nothing is stored, so that it is tried again."""
-    return Evaluated(_level(task, Outcome(status, _plain(detail))), solved=True)
+    """Result of a run without a solution: it crashed or timed out. Nothing is stored, so that the run is tried again."""
+    return Evaluated(_level(task, Outcome(status, plain(detail))), solved=True)
 
 
 def evaluate(task: Task) -> Evaluated:
-    """Solve, or read back, and compare.
+    """Solve a run or read it back, and compare it with the exact solution.
 
     Raises
     ------
@@ -138,10 +146,10 @@ def evaluate(task: Task) -> Evaluated:
     try:
         if solved:
             solution = task.solver.solve(task.problem.problem, task.discretisation)
-            if wrong := _contradiction(task, solution):
+            if wrong := malformed(solution, task.problem.problem.dimension):
                 return failed(task, Status.CRASHED, wrong)
-            solution = dataclasses.replace(solution, outcome=_confirmed(solution))
-            if wrong := _breach(task, solution):
+            solution = dataclasses.replace(solution, outcome=confirmed(solution))
+            if wrong := breach(solution, task.problem.problem, task.discretisation):
                 return failed(task, Status.CRASHED, wrong)
             write_run(path, task.key, solution, str(task))
         else:
@@ -149,83 +157,15 @@ def evaluate(task: Task) -> Evaluated:
         return Evaluated(_compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
     except MpmverifyError:
         raise
-    except (Exception, SystemExit) as error:  # a solver under test may raise anything, and its neighbours must still finish
+    except (Exception, SystemExit) as error:  # a solver under test may raise anything; the other runs must still finish
         return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({place(error)})")
 
 
 def place(error: BaseException) -> str:
-    """File and line of an exception: the innermost of the user's own code, for a library seldom shows what is wrong."""
+    """File and line of an exception: the innermost frame in the user's own code, not in a library."""
     frames = traceback.extract_tb(error.__traceback__)[1:] or traceback.extract_tb(error.__traceback__)
     where = next((frame for frame in reversed(frames) if not in_library(Path(frame.filename))), frames[-1])
     return f"{Path(where.filename).name}:{where.lineno}"
-
-
-def _contradiction(task: Task, solution: Any) -> str:
-    """Say why what a solver returned has not the form of a solution; "" when it has."""
-    if not isinstance(solution, Solution):
-        return f"it returned {type(solution).__name__} instead of a Solution"
-    if wrong := solution.inconsistency():
-        return f"it returned an inconsistent solution: {wrong}"
-    dimension = task.problem.problem.dimension
-    if solution.reference.shape[1] != dimension:
-        return f"its points have {solution.reference.shape[1]} coordinates in {dimension} dimensions"
-    known = history_units(dimension)
-    if unknown := sorted(solution.histories.keys() - known.keys()):
-        return f"it returned the unknown history {unknown[0]!r}: known are {', '.join(known)}"
-    for quantity, values in solution.fields.items():
-        names = components(quantity, dimension)
-        if values.shape[2] != len(names):
-            return f"its {quantity} has {values.shape[2]} components instead of {', '.join(names)}"
-    if not (_is_number(solution.dt) and math.isfinite(solution.dt) and solution.dt > 0):
-        return f"its time step dt is {solution.dt!r}, which is not positive and finite"
-    for name, value in dataclasses.asdict(solution.work).items():
-        if not (_is_number(value) and math.isfinite(value) and value >= 0):
-            return f"its work has {name} = {value!r}, which is no finite number from 0"
-    return ""
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool | np.bool_)
-
-
-def _breach(task: Task, solution: Solution) -> str:
-    """Say how a completed solution, finite and of the right form, breaks the contract of `Solution`; "" when it keeps it."""
-    if not solution.outcome.completed:
-        return ""
-    problem, level = task.problem.problem, task.discretisation
-    end = problem.end_time
-    if solution.dt * problem.material.wave_speed > level.courant * level.h * (1 + 1e-6):
-        limit = level.courant * level.h / problem.material.wave_speed
-        return f"its time step is {solution.dt:.9g} s, above the limit of {limit:.9g} s at the Courant number {level.courant:g}"
-    for what, times in (("output", solution.time), ("history", solution.histories["time"])):
-        if times[0] != 0:
-            return f"its first {what} is at {times[0]:g} s instead of 0"
-        if not np.all(np.diff(times) > 0):
-            return f"its {what} times do not rise strictly"
-        if abs(times[-1] - end) > 1e-9 * end:
-            return f"it reports completion, but its last {what} is at {times[-1]:.12g} s and the final time is {end:.12g} s"
-    if np.any(solution.weight < 0):
-        return f"its weights are negative, down to {np.min(solution.weight):g}"
-    covered, measure = float(np.sum(solution.weight[0])), problem.measure
-    if abs(covered - measure) > 1e-6 * measure:
-        what = "box" if problem.shape is None else "body"
-        return f"its first weights sum to {covered:.9g}, and the measure of the {what} is {measure:.9g}"
-    return ""
-
-
-def _confirmed(solution: Solution) -> Outcome:
-    """Outcome of a solution, which is non-finite when the solver has not noticed that it is."""
-    outcome = solution.outcome
-    bad = [name for name, values in solution.arrays().items() if not np.all(np.isfinite(values))]
-    if outcome.completed and bad:
-        return Outcome(Status.NON_FINITE, f"the solver reports completion, but {bad[0]} is not finite")
-    return Outcome(outcome.status, _plain(outcome.detail))
-
-
-def _plain(text: str) -> str:
-    """One line that every file format and every terminal takes."""
-    encodable = text.encode("utf-8", "replace").decode()
-    return textwrap.shorten("".join(char for char in encodable if char.isprintable() or char.isspace()), 500)
 
 
 def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:
@@ -268,5 +208,5 @@ def _snapshots(task: Task, solution: Solution) -> Snapshots:
 
 
 def _spread(count: int, most: int) -> np.ndarray:
-    """Return at most `most` of `count` indices, evenly, with both ends."""
+    """Return at most `most` of `count` indices, evenly spaced, with the first and the last."""
     return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(int))

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from mpmverify.criteria.evidence import by_series, evidence_of
+from mpmverify.criteria.evidence import evidence_by_series
 from mpmverify.dataset.study import StoredStudy, damage, read_study
 from mpmverify.errors import ResultsError
 from mpmverify.judgement.baseline import Baseline
@@ -33,7 +33,7 @@ def gate(path: Path, baseline: Baseline) -> tuple[Finding, ...]:
 
 def judged(stored: StoredStudy, baseline: Baseline) -> Judged:
     """Judge a stored study."""
-    evidence = {series: evidence_of(levels) for series, levels in by_series(stored.levels).items()}
+    evidence = evidence_by_series(stored.levels)
     return judge(stored.name, stored.declared, evidence, baseline, str(stored.attributes.get("restricted_to", "")))
 
 
@@ -59,7 +59,7 @@ def accept(baseline: Baseline, paths: Sequence[Path], reason: str) -> int:
     count = 0
     studies = [read_study(path) for path in paths]
     for stored in studies:
-        evidence = {series: evidence_of(levels) for series, levels in by_series(stored.levels).items()}
+        evidence = evidence_by_series(stored.levels)
         count += baseline.take_over(stored.name, stored.declared, evidence)
     with damage(paths[0]):
         baseline.log(studies[0].attributes, reason)

@@ -1,4 +1,4 @@
-"""Content keys: two runs share a key when problem, solver, discretisation and the code that they use are the same."""
+"""Content keys: two runs share a key when their problem, solver and discretisation, and all code behind these, are the same."""
 
 import ast
 import dataclasses
@@ -28,16 +28,16 @@ def digest(*parts: Any, code: Iterable[str] = ()) -> str:
     *parts : object
         Values: numbers, strings, frozen dataclasses, functions of a module, and tuples and mappings of them.
     code : iterable of str
-        Further modules that the result depends on.
+        Further modules that the result depends on, beside those of the classes of the parts.
 
     Raises
     ------
     UsageError
-        If a part is not a value: a lambda, a closure, an open object; or if the module of its class is no file.
+        If a part is not a value, such as a lambda, a closure or a mutable object; or if the module of its class has no file.
 
     Notes
     -----
-    What a compiled module imports or links to, and what code calls by other means than an import, is not known.
+    The digest does not see what a compiled module imports or links to, nor what code calls other than by import.
     """
     modules = set(code)
     body = json.dumps([canonical(part, modules) for part in parts], sort_keys=True)
@@ -77,7 +77,7 @@ def canonical(value: Any, modules: set[str]) -> Any:
 
 
 def import_closure(modules: Iterable[str]) -> set[str]:
-    """Modules reached by imports from some modules: their own packages, mpmverify, and what is in no library."""
+    """Modules reached by imports from some modules: of their own packages, of mpmverify, and those outside any library."""
     reached: set[str] = set()
     pending = list(modules)
     while pending:
@@ -93,7 +93,7 @@ def module_file(module: str) -> Path | None:
     """File of a module, Python source or compiled; None when it does not exist, is built in or has no file."""
     package = module.rpartition(".")[0]
     if package and not _folders(package):
-        return None  # an attribute of a module; to look for it would import the module
+        return None  # an attribute of a module: looking for it would import the module
     loaded = sys.modules.get(module)
     origin = getattr(loaded, "__file__", None)
     if origin is None:
@@ -107,7 +107,7 @@ def module_file(module: str) -> Path | None:
 
 @cache
 def _folders(package: str) -> tuple[str, ...]:
-    """Folders of a package, with an __init__ or without; none of what is no package."""
+    """Folders of a package, with an __init__ or without; none when the name is not a package."""
     path = module_file(package)
     if path is not None:
         return (str(path.parent),) if _is_init(path) else ()
@@ -119,7 +119,7 @@ def _folders(package: str) -> tuple[str, ...]:
 
 
 def _is_init(path: Path) -> bool:
-    """Whether a module is that of a package; a compiled one has the platform between its name and its suffix."""
+    """Whether a file is the __init__ of a package; a compiled one has the platform between its name and its suffix."""
     return path.name.partition(".")[0] == "__init__"
 
 
@@ -131,7 +131,7 @@ def module_digest(module: str) -> str:
 
 @cache
 def imported_names(module: str) -> frozenset[str]:
-    """Names that a module imports, modules or attributes of one: from its own package, mpmverify and what is in no library."""
+    """Modules, and attributes of modules, that a module imports from its own package, mpmverify and outside any library."""
     path = module_file(module)
     if path is None or not path.name.endswith(tuple(importlib.machinery.SOURCE_SUFFIXES)):
         return frozenset()
@@ -153,7 +153,7 @@ def imported_names(module: str) -> frozenset[str]:
 
 @cache
 def _is_open(package: str) -> bool:
-    """Whether a top-level package or module lies in no library, so that it may change between two runs."""
+    """Whether a top-level package or module lies outside any library, so that it may change between two runs."""
     path = module_file(package) if package else None
     places = [path] if path else [Path(folder) for folder in _folders(package)] if package else []
     return any(not in_library(place) for place in places)

@@ -1,10 +1,10 @@
-"""Studies from declaration to judged dataset; what is already solved is not solved again."""
+"""Studies run from their declaration to their judged file; finished runs are read back."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from mpmverify.criteria.evidence import by_series, evidence_of
+from mpmverify.criteria.evidence import evidence_by_series
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.verdicts import StoredVerdicts, read_verdicts, write_verdicts
 from mpmverify.execution import processes
@@ -20,12 +20,21 @@ from mpmverify.study import Study
 JUDGING = ("mpmverify.execution.evaluation", "mpmverify.judgement.judging", "mpmverify.dataset.study")
 """Modules that measure, judge and store."""
 SHOWN_POINTS = 160
-"""The pages show the finest level of a series with at most so many cells times particles."""
+"""Largest number of cells times particles per cell of the level that the pages show; the finest such level is taken."""
 
 
 @dataclass(frozen=True)
 class StudyRun:
-    """A study that was run and judged: its findings, how many runs were solved for it and how many were at hand."""
+    """A study that was run and judged.
+
+    Parameters
+    ----------
+    study : str
+        Its name.
+    findings : tuple of Finding
+    solved, reused : int
+        How many runs were solved, and how many were read back.
+    """
 
     study: str
     findings: tuple[Finding, ...]
@@ -35,7 +44,7 @@ class StudyRun:
 
 @dataclass(frozen=True)
 class Plan:
-    """Everything that one invocation does.
+    """How studies are run.
 
     Parameters
     ----------
@@ -91,7 +100,7 @@ def tasks_of(study: Study, plan: Plan) -> list[Task]:
 def run(
     studies: Sequence[Study], plan: Plan, progress: Callable[[str, int, int], None] = lambda *_: None
 ) -> Iterator[StudyRun]:
-    """Run and judge studies, each as soon as its last run is in; its file is written then.
+    """Run studies; each one is judged and written as soon as its last run is finished.
 
     Parameters
     ----------
@@ -113,7 +122,7 @@ def run(
         inputs = _inputs(study, plan, tasks)
         entry = stored.get(study.name, StoredVerdicts((), "", ()))
         path = plan.results.study(study.name)
-        # Looked at in any case: a foreign file is named before anything is solved.
+        # Checked even when runs are not reused: a foreign file is named before anything is solved.
         up_to_date = path.exists() and entry.made_from(inputs, path)
         if plan.reuse and up_to_date:
             yield StudyRun(study.name, entry.findings, 0, len(tasks))
@@ -135,7 +144,7 @@ def _evaluate(tasks: list[Task], plan: Plan) -> Iterator[tuple[Task, Evaluated]]
     total: dict[str, float] = {}
     for task in tasks:
         total[task.study] = total.get(task.study, 0.0) + cost[id(task)]
-    # Study by study, so that one is judged while the next is solved; the longest first, so that none is left alone at the end.
+    # Study by study: one is judged while the next is solved. The longest run first: no process waits for it at the end.
     ordered = sorted(tasks, key=lambda task: (total[task.study], task.study, cost[id(task)]), reverse=True)
     if plan.scheduler:
         yield from Distributed(plan.scheduler).evaluate(ordered)
@@ -162,13 +171,13 @@ def _inputs(study: Study, plan: Plan, tasks: Sequence[Task]) -> str:
 
 
 def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated]) -> StudyRun:
-    """Judge a study whose runs are all in, and store it."""
-    from mpmverify.dataset.study import write_study
+    """Judge a study whose runs are all finished, and store it."""
+    from mpmverify.dataset.study import write_study  # imports xarray, which a run with nothing to do does without
 
     levels = [entry.level for entry in evaluated]
-    evidence = {series: evidence_of(some) for series, some in by_series(levels).items()}
+    evidence = evidence_by_series(levels)
     judged = judge(study.name, study.criteria(), evidence, plan.baseline, study.restricted_to)
-    # A run that left no file is tried again next time: its study is never up to date.
+    # A run without a file is tried again next time: its study is not up to date.
     complete = all(plan.results.run(task.key).exists() for task in tasks)
     inputs = _inputs(study, plan, tasks) if complete else ""
     snapshots = {entry.level.series: entry.snapshots for entry in evaluated if entry.snapshots}

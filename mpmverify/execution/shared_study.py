@@ -1,4 +1,4 @@
-"""One study in one session of tests: declared at once, solved when its first criterion is due, by one of the processes."""
+"""A study that tests share: solved once a session, when the first of its criteria is tested, by one of the processes."""
 
 import contextlib
 import dataclasses
@@ -24,21 +24,21 @@ CriterionId = tuple[str, str, str, str]
 
 
 @dataclass
-class Bench:
-    """A study whose criteria are asked for one by one.
+class SharedStudy:
+    """A study whose criteria are tested one by one.
 
     Parameters
     ----------
     study : Study
     plan : callable
-        Gives the plan when the study is solved.
+        Returns the plan; called when the study is solved.
     wanted : callable
-        Gives the series, each as (case, solver, refinement), that a session has selected: no other is solved.
+        Returns the series that the session has selected; only these are solved.
     gated : bool
-        Whether the plan's baseline knows the study.
+        Whether the plan's baseline holds the study.
     shared : str
-        Folder that the processes of a session share, "" when there is one process: the first that needs a finding solves the study,
-        and the others wait for it.
+        Folder that the processes of a session share, "" when there is one process. The first process that needs a finding solves
+        the study; the others wait.
     """
 
     study: Study
@@ -60,7 +60,7 @@ class Bench:
         return tree
 
     def finding(self, criterion: CriterionId) -> Finding:
-        """Worst finding under a title; the study is solved now when it is not yet.
+        """Worst finding with a title; the study is solved first if it is not solved yet.
 
         Raises
         ------
@@ -99,7 +99,7 @@ class Bench:
             chosen = [s for s in case.series if (case.name, s.solver.name, s.refinement.label) in wanted]
             if chosen:
                 cases.append(dataclasses.replace(case, series=tuple(chosen)))
-        # A verdict does not depend on which warnings the project that is tested takes for errors.
+        # Verdicts do not depend on the warning filters of the project under test.
         with warnings.catch_warnings():
             warnings.simplefilter("default")
             (judged,) = run([dataclasses.replace(self.study, cases=tuple(cases))], self.plan())
@@ -108,7 +108,7 @@ class Bench:
 
 @contextlib.contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Hold a lock between processes that a process which dies gives back, on every platform: that of a database."""
+    """Hold a lock between processes: that of a database file, which every platform releases when a process dies."""
     with contextlib.closing(sqlite3.connect(path, timeout=1e6, isolation_level=None)) as database:
         database.execute("BEGIN EXCLUSIVE")
         yield

@@ -1,4 +1,4 @@
-"""Any solver on any problem: what it claims of itself is what must hold, limited by the smoothness of the exact solution."""
+"""One solver of any origin on one case of a study, judged by what it declares of itself or by given criteria."""
 
 import pickle
 import tempfile
@@ -33,20 +33,20 @@ def verify(
     Parameters
     ----------
     solver : Solver
-        Any object that keeps the protocol.
+        Any object with the attributes of the protocol `Solver`.
     study : Study
     case : str
-        May be left out where the study has one case.
+        May be left out when the study has one case.
     refinement : Refinement, optional
-        By default the first ladder of the case; where `criteria` is absent, the first in h at one Courant number, for such is
-        the ladder of which a solver declares its orders.
+        By default the first ladder of the case; without `criteria`, the first ladder in h at one Courant number, since declared
+        orders hold on such a ladder.
     criteria : sequence of Criterion, optional
         By default what follows from the solver's declarations; see `expectations`.
     tier : str
         "quick" or "full".
     timeout : float, optional
-        Limit for one run [s]. The runs are then solved in a worker process, which must be able to import the solver and sees nothing
-        that this process has patched; by default they are solved in this process, without a limit.
+        Limit for one run [s]. Runs are then solved in a worker process, which imports the solver anew; monkeypatches of this process
+        have no effect there. By default they are solved in this process, without a limit.
 
     Returns
     -------
@@ -56,14 +56,14 @@ def verify(
     Raises
     ------
     UsageError
-        If nothing could be judged: the solver lacks a part of the protocol or cannot take the problem, the case is unknown, no
-        criterion is given or follows from what it declares, or no ladder shows the orders that it declares.
+        If nothing could be judged: the solver lacks an attribute or cannot take the problem, the case is unknown, there is no
+        criterion, or no ladder shows the declared orders.
     """
     if isinstance(solver, type):
-        raise UsageError(f"{solver.__name__} is a class and no solver: give an instance of it")
+        raise UsageError(f"{solver.__name__} is a class: give an instance of it")
     missing = [part for part in ("name", "orders", "conserves", "solve") if not hasattr(solver, part)]
     if missing:
-        raise UsageError(f"{type(solver).__name__} is no solver: it lacks {', '.join(missing)}")
+        raise UsageError(f"{type(solver).__name__} is not a solver: it lacks {', '.join(missing)}")
     chosen = _case(study, case)
     demanded = expectations(solver, chosen.problem) if criteria is None else tuple(criteria)
     ladders = [series.refinement for series in chosen.series] if refinement is None else [refinement]
@@ -103,13 +103,13 @@ def _case(study: Study, name: str) -> Case:
 
 
 def _in_h(case: Case, ladders: Sequence[Refinement]) -> Refinement:
-    """First of some ladders in h whose dt is proportional to h: others show other orders than a solver declares."""
+    """First ladder in h with dt proportional to h: declared orders hold on such a ladder alone."""
     for ladder in ladders:
         if len({(level.courant, level.ppc) for level in ladder.levels}) == 1:
             return ladder
     raise UsageError(
-        f"{ladders[0].label!r} on case {case.name!r} is no ladder in h at one Courant number, of which a solver declares its "
-        "orders: give such a one by refinement=, or criteria= for this one"
+        f"{ladders[0].label!r} on case {case.name!r} is not a ladder in h at one Courant number, on which declared orders "
+        "hold: give such a ladder by refinement=, or give criteria="
     )
 
 
@@ -119,10 +119,10 @@ def _levels(tasks: Sequence[Task], timeout: float | None) -> list[Level]:
         return [evaluated.level for _, evaluated in inline(tasks)]
     try:
         pickle.dumps(tasks)
-    except Exception as error:  # pickle raises what it likes
+    except Exception as error:  # pickle may raise anything
         solver = tasks[0].solver.name
         raise UsageError(
-            f"solver {solver!r} cannot travel to a worker process ({error}): define it in a module, or give no timeout"
+            f"solver {solver!r} cannot be sent to a worker process ({error}): define it in a module, or give no timeout"
         ) from error
     found = {task.index: evaluated.level for task, evaluated in over_processes(tasks, 1, timeout)}
     return [found[index] for index in range(len(tasks))]

@@ -1,11 +1,14 @@
 """Verdicts for machines and for pull requests: JUnit XML, a Markdown summary and annotations."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 from mpmverify.convergence.verdict import Verdict, worst
+from mpmverify.errors import UsageError
 from mpmverify.judgement.findings import Finding
 
 MARKDOWN_ROWS = 50
@@ -74,6 +77,41 @@ def junit(findings: Sequence[Finding]) -> bytes:
                     child.text = f"{reason}\nexpected by: {plain(finding.source)}"
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+
+
+def write_junit(path: Path, findings: Sequence[Finding]) -> None:
+    """Write the JUnit XML of some findings.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be written.
+    """
+    with _opened(path, "wb") as file:
+        file.write(junit(findings))
+
+
+def append_markdown(path: Path, findings: Sequence[Finding]) -> bool:
+    """Append the Markdown summary to a file that may hold `STEP_SUMMARY` bytes, and return whether there was room for it.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be written.
+    """
+    with _opened(path, "ab") as file:
+        text = markdown(findings, STEP_SUMMARY - (file.tell() if file.seekable() else 0))
+        file.write(text.encode())
+    return bool(text)
+
+
+@contextmanager
+def _opened(path: Path, mode: str) -> Iterator[Any]:
+    try:
+        with path.open(mode) as file:
+            yield file
+    except OSError as error:
+        raise UsageError(f"cannot write '{path}' ({error.strerror}): choose another file") from error
 
 
 def markdown(findings: Sequence[Finding], room: int = STEP_SUMMARY) -> str:

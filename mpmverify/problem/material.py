@@ -182,4 +182,42 @@ class SaintVenantKirchhoff(LinearElastic):
     """Linear elasticity in Green's strain, S = lambda tr(E) I + 2 mu E; in uniaxial compression it bears most at F = 1/sqrt(3)."""
 
 
+@dataclass(frozen=True)
+class Yeoh(LinearElastic):
+    """Compressible Yeoh body, rubber that stiffens at large strain; E and nu are those at small strain.
+
+    Parameters
+    ----------
+    second : float
+        C20 [Pa]; negative for filled rubber, which softens before it stiffens.
+    third : float
+        C30 [Pa].
+
+    Raises
+    ------
+    UsageError
+        If a coefficient is not finite, or the body softens without bound: C10 + 2 C20 x + 3 C30 x^2 has to be positive for every
+        x >= 0, where C10 = mu/2. Otherwise as for `LinearElastic`.
+
+    Notes
+    -----
+    W = C10 x + C20 x^2 + C30 x^3 + K/2 [(J^2 - 1)/2 - ln J] per reference volume, where x = J^(-2/3) tr b - 3 and
+    K = lambda + 2 mu/3. With both coefficients zero it is `NeoHookeanSplit`.
+
+    References
+    ----------
+    Yeoh, 1993, doi:10.5254/1.3538343; Simo and Hughes, Computational Inelasticity, 1998, section 9.2 (part of the volume).
+    """
+
+    second: float = field(kw_only=True)
+    third: float = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (math.isfinite(self.second) and math.isfinite(self.third)):
+            raise UsageError(f"the coefficients of a Yeoh body must be finite: {self!r}")
+        if self.third < 0 or (self.second < 0 and self.second**2 >= 1.5 * self.shear_modulus * self.third):
+            raise UsageError(f"a Yeoh body must not soften without bound, C30 >= 0 and C20 > -sqrt(3 C10 C30): {self!r}")
+
+
 Material = Transport | LinearElastic

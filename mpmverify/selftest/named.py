@@ -13,14 +13,15 @@ BASIS, FACES, GRID, HISTORIES, LAW, LAYOUT, LOOP, PASSES, SOLVER, TENSORS = (
     for name in ("basis", "faces", "grid", "histories", "constitution", "layout", "loop", "passes", "solver", "tensors")
 )
 AFFINE, DEFORMATION, HYPERELASTIC = "mpm/affine.py", "mpm/deformation.py", "mpm/hyperelastic.py"
+SMALL_STRAIN, SPLINES = "mpm/small_strain.py", "mpm/splines.py"
 TG_LOOP, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 FEM_LOOP, FEM_SOLVER = "fem/kernel.py", "fem/solver.py"
 
-PROJECTED = "spread(grid, nodes.inertia, 0, at, with_mass(m, v))"
-PROJECTED_AGAIN = "spread(grid, nodes.inertia, 1, at, scale(m, v))"
+PROJECTED = "at.spread(grid, nodes.inertia, 0, with_mass(m, v))"
+PROJECTED_AGAIN = "at.spread(grid, nodes.inertia, 1, scale(m, v))"
 MOMENTUM = "        " + PROJECTED_AGAIN
-MASS_ALONE = "spread(grid, nodes.inertia, 0, at, (m,))\n        "
-BY_GRADIENT, BY_OTHER = ("(at[0], at[2], at[2], at[3], at[4]),", "(at[0], (at[1][0][::-1],), at[2], at[3], at[4]),")
+MASS_ALONE = "at.spread(grid, nodes.inertia, 0, (m,))\n        "
+BY_GRADIENT, BY_OTHER = "at._replace(N=at.derivative).", "at._replace(N=(at.N[0][::-1],))."
 LINEAR = "return shifted(lame * trace(eps), 2 * shear, eps)"
 NEO_HOOKEAN = "shifted((lame * log(J) - shear) / J, shear / J, b)"
 VOLUME = "where(scheme.total, V0, V0 * det(F))"
@@ -56,14 +57,14 @@ HISTORIC = (
     _fault(
         MPM,
         "nodal momentum weighted by the gradient of the shape function",
-        (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at,", BY_GRADIENT)),
-        (AFFINE, MOMENTUM, MOMENTUM.replace("at,", BY_GRADIENT)),
+        (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at.", BY_GRADIENT)),
+        (AFFINE, MOMENTUM, MOMENTUM.replace("at.", BY_GRADIENT)),
     ),
     _fault(
         MPM,
         "nodal momentum weighted by the shape function of the other node",
-        (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at,", BY_OTHER)),
-        (AFFINE, MOMENTUM, MOMENTUM.replace("at,", BY_OTHER)),
+        (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at.", BY_OTHER)),
+        (AFFINE, MOMENTUM, MOMENTUM.replace("at.", BY_OTHER)),
     ),
     _fault(
         MPM,
@@ -71,7 +72,11 @@ HISTORIC = (
         (PASSES, f"USL)):\n{20 * ' '}{STRAINED}", f"USL)):\n{20 * ' '}{TOO_FAR}"),
         (PASSES, f"limits))\n{8 * ' '}{STRAINED}", f"limits))\n{8 * ' '}{TOO_FAR}"),
     ),
-    _fault(MPM, "factor 2 G applied to the engineering shear strain", (LAW, LINEAR, LINEAR.replace("2 * shear", "4 * shear"))),
+    _fault(
+        MPM,
+        "factor 2 G applied to the engineering shear strain",
+        (SMALL_STRAIN, LINEAR, LINEAR.replace("2 * shear", "4 * shear")),
+    ),
     _fault(
         MPM,
         "stored particle stress multiplied by the particle volume m/rho",
@@ -86,9 +91,11 @@ HISTORIC = (
 """Faults found in the GeHoJerez codes."""
 
 MATERIAL_POINT = (
-    _fault(MPM, "shear modulus instead of twice the shear modulus", (LAW, LINEAR, LINEAR.replace("2 * shear", "shear"))),
-    _fault(MPM, "both Lame constants halved", (LAW, LINEAR, "return shifted(0.5 * lame * trace(eps), shear, eps)")),
-    _fault(MPM, "first Lame constant omitted, linear law", (LAW, LINEAR, "return shifted(0.0, 2 * shear, eps)")),
+    _fault(
+        MPM, "shear modulus instead of twice the shear modulus", (SMALL_STRAIN, LINEAR, LINEAR.replace("2 * shear", "shear"))
+    ),
+    _fault(MPM, "both Lame constants halved", (SMALL_STRAIN, LINEAR, "return shifted(0.5 * lame * trace(eps), shear, eps)")),
+    _fault(MPM, "first Lame constant omitted, linear law", (SMALL_STRAIN, LINEAR, "return shifted(0.0, 2 * shear, eps)")),
     _fault(
         MPM, "shear modulus halved, neo-Hookean law", (HYPERELASTIC, NEO_HOOKEAN, NEO_HOOKEAN.replace("shear", "0.5 * shear"))
     ),
@@ -131,7 +138,7 @@ MATERIAL_POINT = (
         MPM,
         "particle position updated with the particle velocity instead of the nodal velocity",
         (PASSES, MOVED, MOVED.replace("moved", "v")),
-        (PASSES, "at), gather(grid, nodes.velocity, at)", "at), load_rows(state, some.numbers, column.velocity, zero)"),
+        (PASSES, "nodal), at.gather(grid, nodes.velocity)", "nodal), load_rows(state, some.numbers, column.velocity, zero)"),
     ),
     _fault(
         MPM,
@@ -147,13 +154,13 @@ MATERIAL_POINT = (
         MPM,
         "strain increment computed from the nodal velocities before their update",
         (GRID, KICK, KEPT + KICK),
-        (PASSES, "gradient = gather_tensor(grid, nodes.velocity", "gradient = gather_tensor(grid, nodes.projected"),
+        (PASSES, "gradient = at.gather_tensor(grid, nodes.velocity", "gradient = at.gather_tensor(grid, nodes.projected"),
         (LOOP, REPROJECT + REPROJECTED, ""),
     ),
     _fault(
         MPM,
         "acceleration taken from one node instead of interpolated",
-        (PASSES, KICKED, KICKED.replace(" a,", " (nodes.acceleration[0, at[0]],),")),
+        (PASSES, KICKED, KICKED.replace(" a,", " (nodes.acceleration[0, at.first],),")),
     ),
     _fault(
         MPM,
@@ -188,8 +195,8 @@ MATERIAL_POINT = (
     _fault(
         MPM,
         "shape function gradient taken with respect to the local coordinate",
-        (BASIS, "(1.0 - xi, xi), (-grid.scale, grid.scale)", "(1.0 - xi, xi), (-1.0, 1.0)"),
-        (BASIS, "scale(grid.scale, axpy(xi, c2, inner))", "axpy(xi, c2, inner)"),
+        (SPLINES, "(1.0 - xi, xi), (-grid.scale, grid.scale)", "(1.0 - xi, xi), (-1.0, 1.0)"),
+        (SPLINES, "scale(grid.scale, axpy(xi, c2, inner))", "axpy(xi, c2, inner)"),
     ),
     _fault(MPM, "nodal masses not reset to zero", (GRID, CLEARED, KEEP_MASS)),
     _fault(MPM, "nodes of small mass treated as massless", (LOOP, "MASSLESS = 1e-12", "MASSLESS = 1.2")),

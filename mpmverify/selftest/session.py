@@ -15,11 +15,12 @@ from mpmverify.convergence.verdict import Verdict
 from mpmverify.dataset.files import Results
 from mpmverify.execution.keys import digest, file_digest
 from mpmverify.execution.runner import Plan, run
+from mpmverify.execution.workers import environment
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
 from mpmverify.selftest.faults import Fault, passage
 from mpmverify.selftest.named import NAMED
-from mpmverify.selftest.processes import each_alone, environment
+from mpmverify.selftest.processes import each_alone
 from mpmverify.selftest.rules import faults, sampled
 from mpmverify.selftest.survivors import EXPLAINED
 from mpmverify.selftest.trials import TRIALS, merged

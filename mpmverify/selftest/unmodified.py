@@ -11,10 +11,10 @@ from mpmverify.convergence.verdict import worst
 from mpmverify.criteria import Dispersion
 from mpmverify.dataset.files import Results
 from mpmverify.execution.runner import Plan, run
+from mpmverify.execution.workers import environment
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.kill_table import UnmodifiedRun
 from mpmverify.judgement.summary import ranked
-from mpmverify.selftest.processes import environment
 from mpmverify.selftest.verdict import counts
 from mpmverify.study import Series, Study
 

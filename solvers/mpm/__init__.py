@@ -2,9 +2,10 @@
 
 from .layout import GAUSS, REGULAR, Layout, offset
 from .solver import MaterialPoint
-from .transfers import APIC, FLIP, PIC, TPIC, Transfer, blend, fmpm, xpic
+from .transfers import AFLIP, APIC, FLIP, PIC, TPIC, Transfer, blend, fmpm, xpic
 
 __all__ = [
+    "AFLIP",
     "APIC",
     "FLIP",
     "GAUSS",

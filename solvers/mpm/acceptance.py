@@ -1,4 +1,4 @@
-"""Which problems the material point method takes."""
+"""Problems that the material point method accepts."""
 
 from mpmverify.problem import Fixed, Periodic, Problem, Traction, Velocity, require
 from mpmverify.problem.material import PlaneStress
@@ -7,13 +7,13 @@ from .constitution import LAWS
 
 
 def check(problem: Problem, name: str, fitted: bool) -> None:
-    """Refuse a problem that a solver of this name, with fits in its cells or without, cannot take.
+    """Refuse a problem that a solver cannot take; `name` is the solver's, `fitted` whether its basis fits fields in the cells.
 
     Raises
     ------
     UsageError
-        If the body is not one of the laws of `constitution` or begins half given, its faces are not held, loaded or periodic,
-        or it has a shape though its cells are fitted: those at its surface would be taken for full.
+        If the material has no law in `constitution.LAWS`, the initial state is given in part, a face is not held, loaded or periodic,
+        or the body has a shape and the basis fits fields, which would take the cells at its surface for full.
     """
     require(type(problem.material) in LAWS, name, problem, "elastic and viscoelastic bodies")
     conditions = problem.boundary.values()

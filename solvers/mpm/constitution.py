@@ -1,75 +1,135 @@
-"""Constitutive laws of a material point in one, two and three dimensions.
+"""Constitutive laws of a material point in one, two and three dimensions: the table `LAWS`, and what the time loop asks of a law.
 
 A body in one dimension is in uniaxial strain (at nu = 0 a slender bar), in two in plane strain unless it is `PlaneStress`. The
 stress out of the plane is not stored: it does no work, and the energies account for the stretches F_zz = 1 that go with it.
 Tensors are tuples, see `mpmverify.solvers.mpm.tensors`.
+
+To add a law, write its functions in `hyperelastic` or `small_strain` (or a module of its own) and enter it in `LAWS`.
 """
 
-from typing import NamedTuple
+from collections.abc import Callable
+from functools import partial
+from math import nan
+from typing import Any, NamedTuple
 
-from mpmverify.problem.material import (
-    Hencky,
-    KelvinVoigt,
-    LinearElastic,
-    Maxwell,
-    NeoHookean,
-    NeoHookeanSplit,
-    PlaneStress,
-    SaintVenantKirchhoff,
-)
+from mpmverify.problem import material as materials
 
-from ..tracing import equal, exp, expm1, switch, traced, where
-from .hyperelastic import HENCKY, NEO_HOOKEAN, NEO_HOOKEAN_SPLIT, SAINT_VENANT_KIRCHHOFF, energy, hyperelastic
-from .tensors import (
-    Symmetric,
-    Tensor,
-    combined,
-    ddot,
-    dimension,
-    first_piola_kirchhoff,
-    full,
-    shifted,
-    sym,
-    trace,
-)
+from ..tracing import cond, switch, traced, where
+from . import hyperelastic, small_strain
+from .tensors import Symmetric, Tensor, det, first_piola_kirchhoff, full, left_cauchy_green, sym
 
-# What is a number or lanes has no annotation.
+# Numbers and lanes of compiled code have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
-LINEAR_ELASTIC, KELVIN_VOIGT, MAXWELL = range(SAINT_VENANT_KIRCHHOFF + 1, SAINT_VENANT_KIRCHHOFF + 4)
-Law = tuple[int, ...]
-"""Number of a law, twice unless it is linear elasticity, for which the others are dropped where a function is compiled."""
-LAWS = {
-    LinearElastic: LINEAR_ELASTIC,
-    PlaneStress: LINEAR_ELASTIC,
-    KelvinVoigt: KELVIN_VOIGT,
-    Maxwell: MAXWELL,
-    NeoHookean: NEO_HOOKEAN,
-    NeoHookeanSplit: NEO_HOOKEAN_SPLIT,
-    Hencky: HENCKY,
-    SaintVenantKirchhoff: SAINT_VENANT_KIRCHHOFF,
+
+class FiniteStrain(NamedTuple):
+    """Objective law of the deformation gradient, which does not bear J <= 0; functions as in `hyperelastic`.
+
+    stress : function
+        Cauchy stress [Pa] of (lame, shear, J, b, *parameters).
+    energy : function
+        Strain energy per reference volume [J/m^3] of the same.
+    parameters : tuple of str
+        Properties of the material that the functions take beyond lambda and mu.
+    """
+
+    stress: Callable[..., Any]
+    energy: Callable[..., Any]
+    parameters: tuple[str, ...] = ()
+
+
+class SmallStrain(NamedTuple):
+    """Law of the increment of strain, which does not see J; functions as in `small_strain`.
+
+    stress : function
+        Cauchy stress after a step [Pa] of (lame, shear, sigma, F, deps, dt, *parameters).
+    energy : function
+        Stored energy [J/m^3] of (lame, shear, sigma, F, *parameters).
+    heat : function, optional
+        Energy that a step turns into heat [J/m^3], of (lame, shear, sigma, deps, dt, *parameters); None for an elastic law.
+    parameters : tuple of str
+        Properties of the material that the functions take beyond lambda and mu.
+    """
+
+    stress: Callable[..., Any]
+    energy: Callable[..., Any]
+    heat: Callable[..., Any] | None = None
+    parameters: tuple[str, ...] = ()
+
+
+LINEAR_ELASTIC = SmallStrain(small_strain.linear_elastic, small_strain.linear_elastic_energy)
+LAWS: dict[type, FiniteStrain | SmallStrain] = {
+    materials.LinearElastic: LINEAR_ELASTIC,
+    materials.PlaneStress: LINEAR_ELASTIC,
+    materials.KelvinVoigt: SmallStrain(
+        small_strain.kelvin_voigt,
+        small_strain.kelvin_voigt_energy,
+        small_strain.kelvin_voigt_heat,
+        ("retardation_time",),
+    ),
+    materials.Maxwell: SmallStrain(
+        small_strain.maxwell, small_strain.maxwell_energy, small_strain.maxwell_heat, ("relaxation_time",)
+    ),
+    materials.NeoHookean: FiniteStrain(hyperelastic.neo_hookean, hyperelastic.neo_hookean_energy),
+    materials.NeoHookeanSplit: FiniteStrain(hyperelastic.neo_hookean_split, hyperelastic.neo_hookean_split_energy),
+    materials.Hencky: FiniteStrain(hyperelastic.hencky, hyperelastic.hencky_energy),
+    materials.SaintVenantKirchhoff: FiniteStrain(
+        hyperelastic.saint_venant_kirchhoff, hyperelastic.saint_venant_kirchhoff_energy
+    ),
+    materials.Yeoh: FiniteStrain(hyperelastic.yeoh, hyperelastic.yeoh_energy, ("second", "third")),
 }
-"""Plane stress is linear elasticity with its own lambda, and for a solver in three dimensions to refuse."""
+"""Law of each material. Plane stress is linear elasticity with its own lambda, and is refused in three dimensions."""
+ROOM = max(len(law.parameters) for law in LAWS.values())
+
+
+class Linear(NamedTuple):
+    """Linear elasticity, the one law of a time loop that is compiled without the others."""
+
+
+class Numbered(NamedTuple):
+    """Any other law of `LAWS`; a time loop holds them all and is compiled once.
+
+    number : int
+        Position in `LAWS`.
+    finite : bool
+        Whether it is a law of finite strain.
+    viscous : bool
+        Whether it turns energy into heat.
+    """
+
+    number: int
+    finite: bool
+    viscous: bool
+
+
+Law = Linear | Numbered
 
 
 class Constants(NamedTuple):
-    """Lambda and mu [Pa], and the time of a viscous law [s]: of relaxation, or of retardation eta/(lambda + 2 mu)."""
+    """Constants of a law.
+
+    lame : float
+        lambda [Pa].
+    shear : float
+        mu [Pa].
+    parameters : tuple of float
+        Parameters of the law in the order of its `parameters`, then zeros, as many as any law has.
+    """
 
     lame: float
     shear: float
-    time: float
+    parameters: tuple[float, ...]
 
 
-def constitution(material: LinearElastic) -> tuple[Law, Constants]:
+def constitution(material: materials.LinearElastic) -> tuple[Law, Constants]:
     """Law of a material and its constants."""
-    time = 0.0
-    if isinstance(material, KelvinVoigt):
-        time = material.retardation_time
-    elif isinstance(material, Maxwell):
-        time = material.relaxation_time
-    number = LAWS[type(material)]
-    law = (number,) if number == LINEAR_ELASTIC else (number, number)
-    return law, Constants(float(material.lame_lambda), float(material.shear_modulus), float(time))
+    law = LAWS[type(material)]
+    own = [float(getattr(material, name)) for name in law.parameters]
+    constants = Constants(float(material.lame_lambda), float(material.shear_modulus), (*own, *[0.0] * (ROOM - len(own))))
+    if law is LINEAR_ELASTIC:
+        return Linear(), constants
+    viscous = isinstance(law, SmallStrain) and law.heat is not None
+    return Numbered(list(LAWS).index(type(material)), isinstance(law, FiniteStrain), viscous), constants
 
 
 @traced
@@ -78,7 +138,7 @@ def stress(law: Law, constants: Constants, sigma: Symmetric, F: Tensor, incremen
 
     Parameters
     ----------
-    law : tuple of int
+    law : Linear or Numbered
         As of `constitution`.
     constants : Constants
         Of the law.
@@ -90,129 +150,64 @@ def stress(law: Law, constants: Constants, sigma: Symmetric, F: Tensor, incremen
         dt dv/dx or, in the total Lagrangian formulation, dt dv/dX [1]; strain is its symmetric part.
     dt : float
         Time step, positive [s].
-
-    Notes
-    -----
-    The laws at small strain go by the increment, but Kelvin-Voigt by the strain sym(F) - I: its stress holds a viscous part that
-    is not to be carried on. They do not see J, and are not objective.
     """
-    if len(law) == 1:
-        return linear_elastic(constants.lame, constants.shear, sigma, sym(increment))
     deps = sym(increment)
-    return switch(
-        law[0],
-        {
-            KELVIN_VOIGT: lambda: kelvin_voigt(constants, shifted(-1.0, 1.0, sym(F)), deps, dt),
-            MAXWELL: lambda: maxwell(constants, sigma, deps, dt),
-        },
-        lambda: hyperelastic(law[0], constants.lame, constants.shear, F),
+    if isinstance(law, Linear):
+        return LINEAR_ELASTIC.stress(constants.lame, constants.shear, sigma, F, deps, dt)
+    return cond(
+        law.finite,
+        lambda: _one_of(FiniteStrain, "stress", law, constants, volume_ratio(F), left_cauchy_green(F)),
+        lambda: _one_of(SmallStrain, "stress", law, constants, sigma, F, deps, dt),
     )
 
 
 @traced
 def strain_energy(law: Law, constants: Constants, sigma: Symmetric, F: Tensor) -> float:
-    """Stored energy [J/m^3] per volume that the stress acts on at small strain, per reference volume at finite strain.
-
-    Notes
-    -----
-    sigma : C^-1 : sigma / 2 at small strain, of Kelvin-Voigt the elastic part alone, from sym(F) - I.
-    """
-    lame, shear = constants.lame, constants.shear
-    if len(law) == 1:
-        return elastic_energy(lame, shear, sigma)
-
-    def kelvin_voigt_energy():
-        eps = shifted(-1.0, 1.0, sym(F))
-        return 0.5 * ddot(hooke(lame, shear, eps), eps)
-
-    return switch(
-        law[0],
-        {KELVIN_VOIGT: kelvin_voigt_energy, MAXWELL: lambda: elastic_energy(lame, shear, sigma)},
-        lambda: energy(law[0], lame, shear, F),
+    """Stored energy [J/m^3] per volume that the stress acts on at small strain, per reference volume at finite strain."""
+    if isinstance(law, Linear):
+        return LINEAR_ELASTIC.energy(constants.lame, constants.shear, sigma, F)
+    return cond(
+        law.finite,
+        lambda: _one_of(FiniteStrain, "energy", law, constants, volume_ratio(F), left_cauchy_green(F)),
+        lambda: _one_of(SmallStrain, "energy", law, constants, sigma, F),
     )
 
 
 @traced
 def dissipation(law: Law, constants: Constants, sigma: Symmetric, increment: Tensor, dt: float) -> float:
-    """Energy that a step turns into heat, per volume that the stress acts on [J/m^3]; `sigma` is the stress before it.
-
-    Notes
-    -----
-    At a constant strain rate during the step: dt sigma_v : eps_dot for Kelvin-Voigt, and the exact integral of
-    sigma : C^-1 : sigma / tau for Maxwell, as work less the change of the stored energy.
-    """
-    if len(law) == 1:
+    """Energy that a step turns into heat, per volume that the stress acts on [J/m^3]; `sigma` is the stress before it."""
+    if isinstance(law, Linear):
         return 0.0
-    lame, shear, time = constants
-    deps = sym(increment)
-    elastic = hooke(lame, shear, deps)
+    return _one_of(SmallStrain, "heat", law, constants, sigma, sym(increment), dt)
 
-    def maxwell_heat():
-        x = dt / time
-        share = -expm1(-x) / x
-        work = share * ddot(sigma, deps) + (1 - share) / x * ddot(elastic, deps)
-        after = maxwell(constants, sigma, deps, dt)
-        return work - elastic_energy(lame, shear, after) + elastic_energy(lame, shear, sigma)
 
-    return switch(law[0], {KELVIN_VOIGT: lambda: time / dt * ddot(elastic, deps), MAXWELL: maxwell_heat}, 0.0)
+def _one_of(kind: type, function: str, law: Numbered, constants: Constants, *arguments: Any) -> Any:
+    """What a function of the law of a number returns, among the laws of a kind that have this function."""
+    ways = {}
+    for number, entry in enumerate(LAWS.values()):
+        if isinstance(entry, kind) and entry is not LINEAR_ELASTIC and getattr(entry, function):
+            own = constants.parameters[: len(entry.parameters)]
+            ways[number] = partial(getattr(entry, function), constants.lame, constants.shear, *arguments, *own)
+    _, last = ways.popitem()
+    return switch(law.number, ways, last)
+
+
+@traced
+def volume_ratio(F: Tensor) -> float:
+    """J = det F, NaN unless it is positive: so is every component of a stress that it divides."""
+    J = det(F)
+    return where(J > 0, J, nan)
 
 
 @traced
 def reference_stress(law: Law, sigma: Symmetric, F: Tensor) -> Tensor:
     """Stress of the total Lagrangian formulation [Pa]: sigma at small strain, P = J sigma F^-T at finite strain."""
-    if len(law) == 1:
+    if isinstance(law, Linear):
         return full(sigma)
-    return where(finite_strain(law), first_piola_kirchhoff(sigma, F), full(sigma))
+    return where(law.finite, first_piola_kirchhoff(sigma, F), full(sigma))
 
 
 @traced
 def finite_strain(law: Law) -> bool:
     """Whether a law is one of finite strain, which is objective and does not bear J <= 0."""
-    return law[0] <= SAINT_VENANT_KIRCHHOFF
-
-
-@traced
-def small_strain(law: Law) -> bool:
-    """Whether a law is one of small strain."""
-    return law[0] > SAINT_VENANT_KIRCHHOFF
-
-
-@traced
-def viscous(law: Law) -> bool:
-    """Whether a law turns energy into heat."""
-    return equal(law[0], KELVIN_VOIGT) | equal(law[0], MAXWELL)
-
-
-# Small strain.
-
-
-@traced
-def hooke(lame: float, shear: float, eps: Symmetric) -> Symmetric:
-    """C : eps = lambda tr(eps) I + 2 mu eps."""
-    return shifted(lame * trace(eps), 2 * shear, eps)
-
-
-@traced
-def elastic_energy(lame: float, shear: float, sigma: Symmetric) -> float:
-    """Stored [sigma : sigma - lambda tr(sigma)^2/(d lambda + 2 mu)]/(4 mu) = sigma : C^-1 : sigma/2 in d dimensions."""
-    share = lame / (dimension(sigma) * lame + 2 * shear)
-    return (ddot(sigma, sigma) - share * trace(sigma) * trace(sigma)) / (4 * shear)
-
-
-@traced
-def linear_elastic(lame: float, shear: float, sigma: Symmetric, deps: Symmetric) -> Symmetric:
-    """Stress sigma + C : d_eps."""
-    return combined(1.0, sigma, 1.0, hooke(lame, shear, deps))
-
-
-@traced
-def kelvin_voigt(constants: Constants, eps: Symmetric, deps: Symmetric, dt: float) -> Symmetric:
-    """C : (eps + theta eps_dot), theta = eta/(lambda + 2 mu): in one dimension (lambda + 2 mu) eps + eta eps_dot."""
-    return hooke(constants.lame, constants.shear, combined(1.0, eps, constants.time / dt, deps))
-
-
-@traced
-def maxwell(constants: Constants, sigma: Symmetric, deps: Symmetric, dt: float) -> Symmetric:
-    """sigma_dot = C : eps_dot - sigma/tau at a constant strain rate: e^-x sigma + (1 - e^-x)/x C : d_eps, x = dt/tau."""
-    x = dt / constants.time
-    return combined(exp(-x), sigma, -expm1(-x) / x, hooke(constants.lame, constants.shear, deps))
+    return False if isinstance(law, Linear) else law.finite

@@ -1,29 +1,21 @@
-"""What particles do as their step goes on: they move, they strain, and the law answers with stress."""
+"""Motion and deformation of the particles in a step, their stress and their energy."""
 
 from mpmverify.problem import Array
 
-from ..tracing import all_positive, cond, floor, load_rows, reduce_sum, store_rows, traced, when, where
-from .constitution import (
-    dissipation,
-    finite_strain,
-    reference_stress,
-    small_strain,
-    strain_energy,
-    stress,
-    viscous,
-)
+from ..tracing import all_positive, cond, floor, load_rows, logical_not, reduce_sum, store_rows, traced, when, where
+from .constitution import Linear, dissipation, finite_strain, reference_stress, strain_energy, stress
 from .state import FAILED, HEAT, PASSED, STRAYED, Grid, Particles, Scheme, columns_of
 from .stencil import Group
 from .tensors import Symmetric, Tensor, deform, det, full
 from .vectors import Vector, axpy, columns, constant, identity, null
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
 @traced
 def strain_and_stress(particles: Particles, numbers, zero: Vector):
-    """F, or J alone where only that is kept, and sigma of particles."""
+    """F, or J where that alone is kept, and sigma of particles."""
     column = columns_of(zero, particles.deformation)
     F = load_rows(particles.state, numbers, column.F, particles.deformation)
     return F, load_rows(particles.state, numbers, column.stress, null(zero)[2])
@@ -31,7 +23,7 @@ def strain_and_stress(particles: Particles, numbers, zero: Vector):
 
 @traced
 def force_columns(scheme: Scheme, V0, sigma: Symmetric, F: Tensor, like: Vector):
-    """-V sigma by columns, or -V0 P in the total Lagrangian formulation."""
+    """Columns (d, d) of -V sigma, or of -V0 P in the total Lagrangian formulation [J]."""
     T = where(scheme.total, reference_stress(scheme.law, sigma, F), full(sigma))
     V = where(scheme.total, V0, V0 * det(F))
     return columns(T, constant(-V, like))
@@ -39,7 +31,7 @@ def force_columns(scheme: Scheme, V0, sigma: Symmetric, F: Tensor, like: Vector)
 
 @traced
 def deformed(scheme: Scheme, increment: Tensor, F: Tensor):
-    """F + dt dv/dX or (I + dt dv/dx) F; if of F only J is kept, det(I + dt dv/dx) J, and in material coordinates J as it was."""
+    """F + dt dv/dX or (I + dt dv/dx) F after a step. Where J alone is kept, det(I + dt dv/dx) J, or J unchanged if total Lagrangian."""
     if len(F) < len(increment):
         return (where(scheme.total, F[0], F[0] * det(axpy(1.0, increment, identity(increment)))),)
     return cond(scheme.total, lambda: axpy(1.0, increment, F), lambda: deform(increment, F))
@@ -47,16 +39,16 @@ def deformed(scheme: Scheme, increment: Tensor, F: Tensor):
 
 @traced
 def strain(scheme: Scheme, particles: Particles, some: Group, increment: Tensor, dt: float, sums: Array, zero: Vector) -> int:
-    """F or J after the step, see `deformed`, the stress that the law makes of it, and the energy that turned into heat.
+    """Update F or J as of `deformed`, and the stress by the law; add the energy that became heat to `sums`.
 
-    FAILED at a law or a volume that meets J <= 0.
+    FAILED when a law or a volume meets J <= 0.
     """
     column, state, law, constants = columns_of(zero, particles.deformation), particles.state, scheme.law, scheme.constants
     before, sigma = strain_and_stress(particles, some.numbers, zero)
     F = deformed(scheme, increment, before)
     store_rows(state, some.numbers, column.F, F)
-    if len(law) > 1:
-        with when(viscous(law)):
+    if not isinstance(law, Linear):
+        with when(law.viscous):
             V = some.present * load_rows(state, some.numbers, column.volume, (0.0,))[0]
             J = where(scheme.total, 1.0, det(before))
             sums[HEAT] += reduce_sum(V * J * dissipation(law, constants, sigma, increment, dt))
@@ -66,7 +58,7 @@ def strain(scheme: Scheme, particles: Particles, some: Group, increment: Tensor,
 
 @traced
 def move(grid: Grid, state: Array, some: Group, increment: Vector, limits: Array) -> int:
-    """Move by x += dt v; STRAYED when a last coordinate, on a periodic axis all its images, passes the limits (2,) [m]."""
+    """Move by x += dt v; STRAYED when the last coordinate, or on a periodic axis each of its images, passes the limits (2,) [m]."""
     x = axpy(1.0, increment, load_rows(state, some.numbers, 0, increment))
     store_rows(state, some.numbers, 0, x)
     times = floor((x[-1] - limits[0]) * (grid.scale / grid.cells[-1]))
@@ -76,13 +68,13 @@ def move(grid: Grid, state: Array, some: Group, increment: Vector, limits: Array
 
 @traced
 def within(y, limits: Array) -> bool:
-    """Whether values lie between limits (2,)."""
+    """Whether all values lie between limits (2,)."""
     return all_positive(y - limits[0]) & all_positive(limits[1] - y)
 
 
 @traced
 def stored_energy(scheme: Scheme, particles: Particles, some: Group, zero: Vector):
-    """Strain energy of particles."""
+    """Stored energy of particles [J]."""
     column, state = columns_of(zero, particles.deformation), particles.state
     F, sigma = strain_and_stress(particles, some.numbers, zero)
     J = where(keeps_volume(scheme) | finite_strain(scheme.law), 1.0, det(F))
@@ -92,5 +84,5 @@ def stored_energy(scheme: Scheme, particles: Particles, some: Group, zero: Vecto
 
 @traced
 def keeps_volume(scheme: Scheme) -> bool:
-    """Whether a body keeps its volume: at small strain in material coordinates, where J may even be negative."""
-    return scheme.total & small_strain(scheme.law)
+    """Whether volumes do not change: at small strain in the total Lagrangian formulation, where J may even be negative."""
+    return scheme.total & logical_not(finite_strain(scheme.law))

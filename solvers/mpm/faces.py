@@ -1,11 +1,35 @@
-"""Boundary conditions as tables over the nodes of the faces and the time levels of the leapfrog, and the body force as one."""
+"""Tables of the boundary conditions, over the nodes of the faces and the time levels of the leapfrog scheme, and of the body force."""
+
+from typing import NamedTuple
 
 import numpy as np
 
 from mpmverify.problem import Array, BodyForce, Fixed, Periodic, Problem, Spatial, Traction, Velocity
 
 from .basis import Axis
-from .state import Faces, Integers
+from .state import Integers
+
+
+class Faces(NamedTuple):
+    """Conditions on the faces of the box, for K held and L loaded components of nodes.
+
+    held : ndarray
+        Node, component and row of `velocity` (K, 3).
+    loaded : ndarray
+        Node, component and row of `force` (L, 3).
+    area : ndarray
+        Integral of N_I over the face (L,) [m^(d-1)].
+    velocity : ndarray
+        v_b at 0 and all t^{n+1/2} (rows, N + 2) [m/s].
+    force : ndarray
+        p n at all t^n (rows, N + 1) [Pa].
+    """
+
+    held: Integers
+    loaded: Integers
+    area: Array
+    velocity: Array
+    force: Array
 
 
 def node_numbers(axes: tuple[Axis, ...]) -> Integers:
@@ -21,7 +45,7 @@ def node_positions(axes: tuple[Axis, ...]) -> Array:
 
 
 def ghosts(axes: tuple[Axis, ...]) -> Integers:
-    """Nodes beyond the upper end of a periodic axis, and the ones that they repeat (G, 2)."""
+    """Ghost nodes beyond the upper end of periodic axes, and their images (G, 2)."""
     numbers = node_numbers(axes)
     images = numbers
     for k, axis in enumerate(reversed(axes)):
@@ -47,9 +71,9 @@ def integrals(axis: Axis, h: float, lower: float, upper: float) -> Array:
 
 
 def tabulate_faces(problem: Problem, axes: tuple[Axis, ...], h: float, steps: int, dt: float) -> Faces:
-    """Conditions at the nodes of the faces; at an edge a clamped face comes before a prescribed normal velocity.
+    """Conditions at the nodes of the faces; where faces meet, a clamped one takes precedence over a prescribed normal velocity.
 
-    What holds a face holds the nodes beyond it, too.
+    The nodes beyond a held face are held, too.
     """
     numbers = node_numbers(axes)
     levels = np.arange(steps + 1, dtype=np.float64) * dt
@@ -94,7 +118,7 @@ def end_node(axis: Axis, sign: int) -> int:
 
 
 def _areas(axes: tuple[Axis, ...], h: float, normal: int, lower: tuple[float, ...], upper: tuple[float, ...]) -> Array:
-    """Integrals of the functions of a face across an axis over its part between two corners, by the nodes of the face."""
+    """Integrals over the part of a face between two corners of the functions of its nodes."""
     total = np.ones(())
     for k, axis in reversed(list(enumerate(axes))):
         if k != normal:
@@ -104,7 +128,7 @@ def _areas(axes: tuple[Axis, ...], h: float, normal: int, lower: tuple[float, ..
 
 
 def tabulate_body_force(body_force: BodyForce | Spatial | None, points: Array, times: Array) -> Array:
-    """Body force at points (K, d) [m], where it asks for them, and times (B,) [s], (B, K, d) [m/s^2]; empty when there is none."""
+    """Body force (B, K, d) [m/s^2] at points (K, d) [m] and times (B,) [s]; empty when there is none."""
     if body_force is None:
         return np.zeros((0, 0, 0))
     force = body_force.force if isinstance(body_force, Spatial) else body_force

@@ -1,4 +1,4 @@
-"""Fits of fields to the particles of a cell, by Taylor polynomials about its middle; their values at points of Gauss."""
+"""Least-squares fits of fields to the particles of a cell by Taylor polynomials about its middle, and their values at Gauss points."""
 
 import math
 import operator
@@ -10,28 +10,35 @@ from mpmverify.problem import Array
 from ..tracing import Variable, absolute, for_range, load_row, logical_not, maximum, minimum, sqrt, traced, when, where
 from .vectors import Vector, axpy, scale
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 DETERMINED = 1e-3
-"""Least part of a function's sum of squares over as many particles in all of a cell that those before it do not explain; below, it is
-left out."""
+"""A function is dropped when the functions before it explain all but this part of its sum of squares."""
 MEAN, MEAN_SQUARE = 1 / 12, 1 / 180
-"""Of x^2 over a cell about its middle, and of the square of x^2 - 1/12."""
+"""Means over a cell of x^2 about its middle, and of (x^2 - 1/12)^2."""
 TWO, THREE = math.sqrt(1 / 12), math.sqrt(3 / 20)
-"""Distance of the points of two and three of Gauss from the middle of a cell."""
+"""Distances of the outer ones of two and of three Gauss points from the middle of a cell, in cells."""
 
 
 FITTED, OPEN, POPULATION, SUMS = range(4)
-"""Columns of the sums of a cell, see `Parts`."""
+"""Columns of a cell: whether it is fitted, whether it lies at a loaded face, its number of particles, and the first of the sums of the
+conserved densities (mass, momentum, body force)."""
 
 
 class Parts(NamedTuple):
-    """Numbers of k Taylor functions, of f fields, and of those, the first, that are conserved; where the sums of a cell begin.
+    """Numbers of functions and fields of a cell, and its columns.
 
-    Before all others come whether it is fitted, whether it lies at a loaded face, and how many particles it has. Then come the sums of
-    what is conserved, mass, momentum and body force, `products` of the functions with each other (k, k), and `densities`, products
-    with the fields (k, f): what is conserved, per volume, and minus the stress by columns.
+    functions : int
+        Number k of Taylor functions.
+    fields : int
+        Number f of fields: the conserved densities, then minus the stress by columns.
+    conserved : int
+        Number of the conserved densities.
+    products : int
+        First column of the sums of products of the functions (k, k).
+    densities : int
+        First column of the sums of products of the functions with the fields (k, f), later the coefficients of the fits.
     """
 
     functions: int
@@ -43,7 +50,7 @@ class Parts(NamedTuple):
 
 @traced
 def parts_of(taylor: Vector, zero: Vector) -> Parts:
-    """Parts of the sums of a cell for as many Taylor functions as one tuple has, in as many dimensions as a vector has."""
+    """Parts of a cell for the number of Taylor functions in `taylor` and the dimension of the vector `zero`."""
     d, k = len(zero), len(taylor)
     conserved = 1 + 2 * d
     return Parts(k, conserved + d * d, conserved, SUMS + conserved, SUMS + conserved + k * k)
@@ -51,7 +58,7 @@ def parts_of(taylor: Vector, zero: Vector) -> Parts:
 
 @traced
 def taylor(width, xi: Vector):
-    """Taylor functions at a place from the lower corner of a cell, in cells (d,): 1, x, ..., and but for hats x^2 - 1/12, x y, ..."""
+    """Taylor functions at xi (d,) in cells from the lower corner of a cell: 1, x, ... and, except for hats, x^2 - 1/12, x y, ..."""
     x = xi[0] - 0.5
     one = 0.0 * x + 1.0
     if len(xi) == 1:
@@ -67,7 +74,7 @@ def taylor(width, xi: Vector):
 
 @traced
 def factor(cell: Array, parts: Parts, d: int) -> int:
-    """Cholesky factor of the products of the functions in their place, and of how many whole degrees are determined: their functions."""
+    """Replace the products of the functions by their Cholesky factor; return how many functions are determined, by whole degrees."""
     A, k = parts.products, parts.functions
     determined = Variable(k, cell.shape[0])
     with for_range(0, k, like=cell) as i, when(determined.value >= k):
@@ -80,7 +87,7 @@ def factor(cell: Array, parts: Parts, d: int) -> int:
             value.value /= cell[A + k * j + j]
             cell[A + k * i + j] = value.value
             rest.value -= value.value * value.value
-        # Particles that gather in the middle of the cell have next to no slope to tell.
+        # Particles close to the middle of the cell hardly determine a slope: compare with particles all over the cell.
         usual = cell[A] * cell[A] * where(i > d, MEAN_SQUARE, MEAN)
         enough = rest.value > DETERMINED * where(i > 0, maximum(square, usual), square)
         determined.value = where(enough, k, where(i > d, 1 + d, minimum(i, 1)))
@@ -91,9 +98,9 @@ def factor(cell: Array, parts: Parts, d: int) -> int:
 
 @traced
 def solve(cell: Array, parts: Parts, determined: int, volume: float) -> None:
-    """Coefficients of the fits in the place of the products with the fields; those of functions that are not determined are zero.
+    """Replace the products with the fields by the coefficients of the fits, 0 for functions that are not determined.
 
-    The first, which is the mean over the cell, of what is conserved is its sum over the volume.
+    The first coefficient is the mean over the cell; for conserved densities it is their sum over the volume.
     """
     A, k, B, stride = parts.products, parts.functions, parts.densities, parts.fields
     with for_range(0, parts.fields, like=cell) as c:
@@ -114,9 +121,9 @@ def solve(cell: Array, parts: Parts, determined: int, volume: float) -> None:
 
 @traced
 def keep_positive(cell: Array, parts: Parts) -> None:
-    """Means in the place of the fits of what is conserved, where the density might not be positive all over the cell.
+    """Replace the fits of the conserved densities by their means where the mass density might not be positive all over the cell.
 
-    No Taylor function is larger than a half there.
+    No Taylor function is larger than 1/2 there.
     """
     B, stride = parts.densities, parts.fields
     reach = reduce(operator.add, [0.5 * absolute(cell[B + stride * i]) for i in range(1, parts.functions)])
@@ -130,7 +137,7 @@ def keep_positive(cell: Array, parts: Parts) -> None:
 
 @traced
 def fitted(cells: Array, c: int, first: int, stride: int, functions, like):
-    """Values of fits of a cell where its functions have these values, from a field on, as many as `like` has."""
+    """Values of the fits of as many fields as `like` has, from column `first` on, where the functions have these values."""
     value = scale(0.0, like)
     for i in range(len(functions)):
         value = axpy(functions[i], load_row(cells, (c, first + stride * i), like), value)
@@ -139,14 +146,14 @@ def fitted(cells: Array, c: int, first: int, stride: int, functions, like):
 
 @traced
 def fitted_columns(cells: Array, c: int, first: int, stride: int, functions, zero: Vector):
-    """The same of a tensor, by columns."""
+    """Columns of a tensor of fits, as `fitted`."""
     d = len(zero)
     return tuple(fitted(cells, c, first + d * k, stride, functions, zero) for k in range(d))
 
 
 @traced
 def gauss_points(width):
-    """Points on [0, 1] and their weights: exact for hats and linear fits, and for cubic splines and quadratic fits."""
+    """Gauss points on [0, 1] and their weights, exact for hats times linear fits, else for cubic splines times quadratic fits."""
     if len(width) == 2:
         return (0.5 - TWO, 0.5 + TWO), (0.5, 0.5)
     return (0.5 - THREE, 0.5, 0.5 + THREE), (5 / 18, 4 / 9, 5 / 18)
@@ -154,7 +161,7 @@ def gauss_points(width):
 
 @traced
 def gauss_point(width, number: int, like: Vector):
-    """Point of a cell (d,) in cells from its lower corner, and the weight of its products; numbered with x fastest."""
+    """Gauss point of a number, x fastest, in cells from the lower corner of a cell (d,), and its weight."""
     points, weights = gauss_points(width)
     count, d = len(points), len(like)
     along = [number // count**k % count for k in range(d)]
@@ -163,5 +170,5 @@ def gauss_point(width, number: int, like: Vector):
 
 @traced
 def numbered(items, i: int):
-    """One of a tuple of numbers."""
+    """Item i of a tuple of numbers, for a number i of compiled code."""
     return where(i < 1, items[0], numbered(items[1:], i - 1)) if len(items) > 1 else items[0]

@@ -1,4 +1,4 @@
-"""What happens at the nodes: velocity, boundary conditions, acceleration, and what the external forces give."""
+"""Operations on the nodes: velocity, boundary conditions, acceleration, and the power of the external forces."""
 
 import operator
 from collections.abc import Callable
@@ -8,21 +8,22 @@ from typing import Any
 from mpmverify.problem import Array
 
 from ..tracing import LANES, Consecutive, add_sums, for_range, traced, where
-from .state import Faces, Grid, Nodes
+from .faces import Faces
+from .state import Grid, Nodes
 from .vectors import Vector
 
-# What is a number or lanes, or an array of compiled code, has no annotation.
+# Numbers, lanes and arrays of compiled code have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
 @traced
 def leapfrog(n: int, dt: float) -> tuple[float, float]:
-    """Time from v^{n-1/2} to v^n and to v^{n+1/2}; v^0 is given, and v^{1/2} = v^0 + dt/2 a^0 keeps second order under load."""
+    """Times from v^{n-1/2} to v^n and to v^{n+1/2} [s]; the first step begins with v^0, so that v^{1/2} = v^0 + dt/2 a^0 is of second order."""
     return where(n > 0, (0.5 * dt, dt), (0.0, 0.5 * dt))
 
 
 def _pass(at_node: Callable[..., None]) -> Any:
-    """A pass over the nodes from `begin` to `end`, four at a time as far as they go; it sets the sums that it leaves to zero before."""
+    """A pass over the nodes from `begin` to `end`, four at a time and the rest one by one; it sets `sums` to zero first."""
 
     def over_nodes(zero, nodes, strips, velocity, massless, kick, leap, sums, begin, end):
         with for_range(0, sums.shape[0]) as c:
@@ -39,7 +40,7 @@ def _pass(at_node: Callable[..., None]) -> Any:
 
 @_pass
 def clear(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i) -> None:
-    """Nothing at the nodes."""
+    """Zero mass, momentum and forces."""
     for values, count in (nodes.inertia, 1 + len(zero)), (nodes.internal, len(zero)), (nodes.external, len(zero)):
         for c in range(count):
             values[c, i] = 0.0
@@ -49,7 +50,7 @@ def clear(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: fl
 def nodal_velocity(
     zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i
 ) -> None:
-    """v_I = p_I/m_I; `sums` (d,) is the momentum that this adds, where there is no mass."""
+    """v_I = p_I/m_I, or 0 at massless nodes; `sums` (d,) is minus the momentum that is lost there."""
     mass, lost = nodes.inertia[0, i], []
     for c in range(len(zero)):
         momentum = nodes.inertia[1 + c, i]
@@ -60,7 +61,7 @@ def nodal_velocity(
 
 @_pass
 def accelerate(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i) -> None:
-    """a_I = f_I/m_I; the external force is the reaction where there is no mass."""
+    """a_I = f_I/m_I, or 0 at massless nodes, where the external force becomes the reaction to the internal one."""
     mass = nodes.inertia[0, i]
     for c in range(len(zero)):
         internal, external = nodes.internal[c, i], nodes.external[c, i]
@@ -70,9 +71,9 @@ def accelerate(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kic
 
 @_pass
 def kick_nodes(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i) -> None:
-    """v_I += leap a_I, where it is held it arrives at v_b(t^{n+1/2}); the momentum is set to zero for another projection.
+    """v_I += leap a_I, which at a held node is v_b(t^{n+1/2}); zero the nodal momentum before it is accumulated again.
 
-    Before, sum_I f_I v_I at t^n and sum_I f_I of the external forces, and the mass (2 + d,).
+    `sums` (2 + d,) are those at t^n: power sum_I f_I v_I and sum f_I of the external forces, and the mass.
     """
     power, forces = [], []
     for c in range(len(zero)):
@@ -86,7 +87,7 @@ def kick_nodes(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kic
 
 @traced
 def weigh(zero: Vector, nodes: Nodes, body: Array, load: int):
-    """Add the body force m_I b_I, where there is one (n, d) at nodes, to the external forces."""
+    """Add the body force m_I b_I to the external forces, where `body` (N, n, d) has one at the nodes."""
     with for_range(0, where(body.shape[0] > 0, nodes.inertia.shape[1], 0)) as i:
         for c in range(len(zero)):
             nodes.external[c, i] += nodes.inertia[0, i] * body[load, i, c]
@@ -94,7 +95,7 @@ def weigh(zero: Vector, nodes: Nodes, body: Array, load: int):
 
 @traced
 def join(grid: Grid, values, like) -> None:
-    """Add what was spread to the ghost nodes of a periodic axis, as many components as `like` has, to their images."""
+    """Add the values of the ghost nodes of a periodic axis to their images, as many components as `like` has, and set them to zero."""
     with for_range(0, grid.ghosts.shape[0]) as g:
         ghost, image = grid.ghosts[g, 0], grid.ghosts[g, 1]
         for c in range(len(like)):
@@ -104,7 +105,7 @@ def join(grid: Grid, values, like) -> None:
 
 @traced
 def repeat(grid: Grid, values) -> None:
-    """Give the ghost nodes of a periodic axis the values of their images."""
+    """Copy the values (d, n) of the images to the ghost nodes of a periodic axis."""
     with for_range(0, grid.ghosts.shape[0]) as g:
         ghost, image = grid.ghosts[g, 0], grid.ghosts[g, 1]
         for c in range(len(grid.lower)):
@@ -113,7 +114,7 @@ def repeat(grid: Grid, values) -> None:
 
 @traced
 def hold_velocity(grid: Grid, nodes: Nodes, faces: Faces, n: int, velocity: Array, added: Array) -> None:
-    """v_b(t^{n-1/2}) where it is held, and the momentum that this adds (d,)."""
+    """Set v_b(t^{n-1/2}) at held nodes, and add to `added` (d,) the momentum that this takes."""
     with for_range(0, faces.held.shape[0]) as k:
         i, c, face = (faces.held[k, j] for j in range(3))
         held = faces.velocity[face, n]
@@ -132,7 +133,7 @@ def load_faces(nodes: Nodes, faces: Faces, n: int) -> None:
 
 @traced
 def hold_acceleration(grid: Grid, nodes: Nodes, faces: Faces, n: int, dt: float) -> None:
-    """[v_b(t^{n+1/2}) - v_b(t^{n-1/2})]/dt where it is held; the reaction m_I a_I - f_I is an external force."""
+    """Set [v_b(t^{n+1/2}) - v_b(t^{n-1/2})]/dt at held nodes; the reaction m_I a_I - f_I becomes their external force."""
     _, leap = leapfrog(n, dt)
     with for_range(0, faces.held.shape[0]) as k:
         i, c, face = (faces.held[k, j] for j in range(3))
@@ -143,7 +144,7 @@ def hold_acceleration(grid: Grid, nodes: Nodes, faces: Faces, n: int, dt: float)
 
 @traced
 def begin_series(grid: Grid, nodes: Nodes, values) -> None:
-    """Values of the nodes (d, n) as the first term of a series; the momentum is set to zero for what the particles make of it."""
+    """Take values of the nodes (d, n) as the first term of a series; zero the nodal momentum before `smooth` accumulates it."""
     with for_range(0, nodes.inertia.shape[1]) as i:
         for c in range(len(grid.lower)):
             nodes.term[c, i] = values[c, i]
@@ -152,10 +153,10 @@ def begin_series(grid: Grid, nodes: Nodes, values) -> None:
 
 @traced
 def add_term(grid: Grid, nodes: Nodes, faces: Faces, massless: float, total, reaction: float, added: Array) -> None:
-    """t_I <- t_I - p_I/m_I, nothing where it is held, and `total` (d, n) += t: the next term of sum_j (I - S^+ S)^j.
+    """t_I <- t_I - p_I/m_I, 0 at held nodes, and `total` (d, n) += t: the next term of sum_j (I - S^+ S)^j.
 
-    What a held node is refused counts as its reaction for a series of accelerations (`reaction` 1), for one of velocities (0) as
-    momentum `added` (d,).
+    The part of the term that is dropped at a held node counts as its reaction in a series of accelerations (`reaction` 1), as
+    momentum `added` (d,) in a series of velocities (`reaction` 0).
     """
     count, d = nodes.inertia.shape[1], len(grid.lower)
     join(grid, nodes.inertia, (0.0, *grid.lower))

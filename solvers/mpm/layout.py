@@ -1,4 +1,4 @@
-"""Where the particles of a body begin."""
+"""Initial positions and volumes of the particles of a body."""
 
 from dataclasses import dataclass
 
@@ -8,20 +8,20 @@ from mpmverify.errors import UsageError
 from mpmverify.problem import Array, Discretisation, Problem
 
 SLIVER = 1e-4
-"""A part of a sub-cell below this share of it joins its neighbour: alone it could reach nodes that count as massless."""
+"""A part of a sub-cell that is smaller than this share of it is merged with a neighbour: alone it could reach massless nodes."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where particles begin in the sub-cells of which they have the volume, `ppc` of them along each axis of a cell.
+    """Initial places of particles in their sub-cells, `ppc` of which lie along each axis of a cell.
 
     Parameters
     ----------
     name : str
     gauss : bool
-        At the points of Gauss-Legendre quadrature, in sub-cells of its weights, instead of the middles of equal ones.
+        Whether they are the points of Gauss-Legendre quadrature, in sub-cells as large as its weights, or the middles of equal sub-cells.
     offset : float
-        From there along every axis, as a share of the sub-cell, in (-1/2, 1/2). Volumes stay: the quadrature is off by it.
+        Shift along every axis, as a share of the sub-cell, in (-1/2, 1/2). Volumes do not change, which is an error of quadrature.
 
     Raises
     ------
@@ -50,12 +50,12 @@ GAUSS = Layout("gauss", gauss=True)
 
 
 def offset(share: float) -> Layout:
-    """Regular particles, off the middles of their sub-cells.
+    """Regular particles, shifted from the middles of their sub-cells.
 
     Parameters
     ----------
     share : float
-        Of the sub-cell, along every axis.
+        Shift along every axis, as a share of the sub-cell.
 
     Raises
     ------
@@ -70,9 +70,9 @@ def place_particles(problem: Problem, at: Discretisation, layout: Layout = REGUL
 
     Notes
     -----
-    A body of a shape has a particle in each sub-cell that it covers at least in part, with the volume of that part, at its centroid
-    where it is not the whole. At the middle of the sub-cell the errors are as large, but fall irregularly. Offset and jitter
-    move a particle from there, but not out of its sub-cell. Each of several bodies has its own particles.
+    A body with a shape has a particle in each sub-cell that it covers, with the volume of the covered part, at its centroid where
+    that is not the whole sub-cell. Particles at the middle would have errors as large, which fall irregularly. Offset and jitter
+    move a particle within its sub-cell. Each of several bodies has its own particles.
     """
     points, ends = layout.in_cell(at.ppc)
     counts = at.cells(problem)
@@ -107,9 +107,9 @@ def _mesh(along: list[Array]) -> Array:
 
 
 def _without_slivers(part: Array, place: Array, least: Array, counts: list[int]) -> tuple[Array, Array]:
-    """Measures (B,) and places (B, d) when each part below `least` (B,) has joined the largest of its neighbours across a side.
+    """Measures (B,) and places (B, d) after each part smaller than `least` (B,) is merged with its largest neighbour across a side.
 
-    The sums of measures and of first moments stay; a part that has no larger neighbour does, too.
+    The sums of measures and of first moments do not change; a part without a larger neighbour is kept.
     """
     number = np.pad(np.arange(len(part)).reshape(counts), 1, mode="edge")
     inner, before, after = slice(1, -1), slice(None, -2), slice(2, None)

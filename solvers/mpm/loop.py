@@ -1,4 +1,4 @@
-"""The compiled time loop of the explicit material point method."""
+"""Compiled time loop of the explicit material point method."""
 
 from pathlib import Path
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 from mpmverify.problem import Array
 
 from ..tracing import WITHOUT_ENTRY, checksum, compiled
+from .faces import Faces
 from .grid import (
     accelerate,
     add_term,
@@ -19,34 +20,30 @@ from .grid import (
     nodal_velocity,
     weigh,
 )
-from .histories import COMPLETED, INVERTED, LEFT_GRID, add_heat, add_up, record_sums
-from .order import ARRANGED, INTERVAL, arrange, sort
+from .histories import COMPLETED, INVERTED, LEFT_GRID, Histories, Outputs, add_heat, add_up, record_sums
+from .order import ARRANGED, INTERVAL, UNSORTED, Strips, arrange, sort
 from .passes import MUSL, USF, USL, grid_to_particles, record_fields, smooth, strain_particles
 from .state import (
     FAILED,
     STRAYED,
-    UNSORTED,
-    Faces,
     Grid,
-    Histories,
     Nodes,
-    Outputs,
     Particles,
     Scheme,
     Step,
-    Strips,
     columns_of,
+    full_mass,
 )
 from .sweeps import IN_THREADS, IN_TURN, fits_to_grid, to_grid
 from .vectors import with_mass
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 SOURCES = checksum(Path(__file__).parent)
-"""Of this package and of its compiler: the disk cache compiles the loop anew when a file of either changes."""
+"""Checksum of this package and of its compiler, part of the names of the loops: the disk cache compiles them anew when a file changes."""
 MASSLESS = 1e-12
-"""Nodes with less than this part of the largest particle's mass carry no velocity: f/m would overflow."""
+"""Nodes with less than this part of the mass of the heaviest particle have no velocity: f/m would overflow."""
 
 
 def refine(
@@ -65,12 +62,12 @@ def refine(
 ):
     """Add the terms 0 < j < k of sum_{j < k} (I - S^+ S)^j to `total` (d, n), from the velocities or accelerations `values` (d, n).
 
-    S takes nodes to particles and S^+ back, with the lumped mass: the more terms, the closer comes the sum to what the full mass
-    would have given. `reaction` is 1 for accelerations and 0 for velocities, see `add_term`. Nothing where there is no series.
+    S maps nodes to particles and S^+ back, with the lumped mass: the more terms, the closer the sum comes to the result of the full
+    mass matrix. `reaction` is 1 for accelerations and 0 for velocities, see `add_term`. Without a series nothing happens.
     """
-    if len(series) > 0:
+    if series is not None:
         begin_series(grid, nodes, values)
-        for _ in range(scheme.terms - 1):
+        for _ in range(series.terms - 1):
             smooth(scheme, grid, particles, nodes, strips, 0)
             add_term(grid, nodes, faces, massless, total, reaction, added)
 
@@ -90,28 +87,26 @@ def march_through(
     begin: int,
     end: int,
     output: int,
-    sources: int = SOURCES,
 ) -> tuple[int, int, int]:
-    """Passes begin <= n < end of the scheme, each at x^n, F^n or J^n, sigma^n and v^{n-1/2}; pass N records and does not advance.
+    """Steps begin <= n < end of the scheme, each from x^n, F^n or J^n, sigma^n and v^{n-1/2}; step N records and does not advance.
 
     Parameters
     ----------
     running : Array
-        Power and work at t^{n-1}, energy given and turned into heat so far, impulse to t^{n-1/2} (4 + d,): carried from call to call.
+        Sums carried from call to call (4 + d,): power and work at t^{n-1}, energy given to the body and turned into heat so far, and
+        impulse to t^{n-1/2}.
     dt : float
         Time step [s].
     body : Array
-        b at t^n of these passes, (end - begin, P, d) in the order of the problem or (end - begin, n, d) at nodes [m/s^2]; empty for
+        b at t^n of these steps, (end - begin, P, d) in the order of the problem or (end - begin, n, d) at nodes [m/s^2]; empty for
         none.
     output : int
-        The next output.
-    sources : int
-        Not to be passed; see `SOURCES`.
+        Index of the next output.
 
     Returns
     -------
     tuple of int
-        Status, the number of passes recorded since the start, and of outputs.
+        Status, the number of steps completed since the start, and the number of outputs written.
 
     References
     ----------
@@ -124,7 +119,7 @@ def march_through(
     for p in range(particles.place.size):
         heaviest = max(heaviest, particles.state[p, columns_of(grid.lower, particles.deformation).mass])
     massless, last, count = MASSLESS * heaviest, faces.force.shape[1] - 1, nodes.inertia.shape[1]
-    many, series, turns = strips.passed.size > 1, scheme.series, scheme.full_mass
+    many, series, turns = strips.passed.size > 1, scheme.series, full_mass(scheme)
     velocity, nodal_body = nodes.velocity, body if scheme.nodal_body else body[:0]
     zero = grid.lower
     nothing, added, sums_at_nodes = (
@@ -151,7 +146,7 @@ def march_through(
         nodal_velocity(zero, nodes, strips, velocity, massless, 0.0, 0.0, added, 0, count)
         hold_velocity(grid, nodes, faces, n, velocity, added)
         sums = velocity if turns else nodes.projected
-        if len(series) > 0 and not turns:
+        if series is not None and not turns:
             sums[:] = 0.0
         refine(series, scheme, grid, particles, nodes, faces, strips, massless, velocity, sums, 0.0, added)
         if not forces:
@@ -204,12 +199,13 @@ def march_through(
 
 
 def _assembled(name: str, passes: dict[str, Any], **options: bool) -> Any:
-    """The loop with its passes; it allocates nothing, and to count references would take as long to compile as all passes."""
+    """The loop with its passes, without reference counts: it allocates nothing, and they would double the time of compilation."""
+    name = f"{name}_{SOURCES:08x}"
     series = compiled(refine, passes, f"refine_of_{name}", **WITHOUT_ENTRY, _nrt=False)
     return compiled(march_through, passes | {"refine": series}, name, cache=True, no_cfunc_wrapper=True, _nrt=False, **options)
 
 
 march = _assembled("march", IN_TURN)
-"""In one thread, where there is one strip."""
+"""Loop in one thread, over one strip."""
 march_in_threads = _assembled("march_in_threads", IN_THREADS, nogil=True)
-"""Over several strips; `numba.get_num_threads()` starts the threads, and comes before its first call in a process."""
+"""Loop over several strips; call `numba.get_num_threads()`, which starts the threads, before its first call in a process."""

@@ -1,4 +1,4 @@
-"""Values of nodes at a stencil: what they sum up to, and what is added to them."""
+"""Sums of the values of nodes over a stencil, and what particles add to these values."""
 
 import operator
 from functools import reduce
@@ -10,7 +10,7 @@ from ..tracing import Array, Pointer, Table, Value, Variable, for_range, has_lan
 
 
 def _starts(grid, nodes: Array, component, first, plane=None) -> list[Pointer]:
-    """Addresses of the first nodes of the rows along x of a stencil, that along y fastest: of all, or of those of a plane of it."""
+    """Pointers to the first nodes of the rows of a stencil along x, y fastest: of all rows, or of those in a plane of constant z."""
     start = nodes.pointer(component, first)
     starts, steps = ([start], grid.stride) if plane is None else ([start.offset(grid.stride[-1] * plane)], grid.stride[:-1])
     for step in steps[:0:-1]:
@@ -20,27 +20,27 @@ def _starts(grid, nodes: Array, component, first, plane=None) -> list[Pointer]:
 
 
 def _in_planes(grid) -> bool:
-    """Whether the planes of a stencil are gone through by a loop of compiled code: all at once would take seconds to compile."""
+    """Whether compiled code loops over the planes of a stencil; to unroll them all would take seconds to compile."""
     return len(grid.stride) == 3 and len(grid.width) > 3
 
 
 @traced
 def gathered(grid, nodes, first, w):
-    """Sums of w a_I over a stencil that begins at its first node, by component of the values of nodes (C, n), as many as axes.
+    """Vector sum_I w_I a_I (d,) over the stencil from the node `first` on, of values of nodes a (d, n).
 
-    w are the products of functions w (d, W) along the axes.
+    The weights w_I are products of functions w (d, W) along the axes.
     """
     return _product_sums(grid, nodes, first, [w])
 
 
 @traced
 def gathered_by(grid, nodes, first, w, e):
-    """The same with each of e (d, W) in the place of its own: by component, then by axis."""
+    """The same sums with e_k (W,) instead of w_k in the products, for each axis k: row-major (d d), by component, then by axis."""
     return _product_sums(grid, nodes, first, [(*w[:k], e[k], *w[k + 1 :]) for k in range(len(w))])
 
 
 def _product_sums(grid, nodes: Array, first, products) -> tuple[Value, ...]:
-    """Sums of the values of nodes times products, by component, then by product."""
+    """Sums of the values of nodes times products of functions: by component, then by product."""
     if not _in_planes(grid):
         return tuple(_product_sum(component, w) for component in _loaded(grid, nodes, first) for w in products)
     along_z = [Table(w[-1], like=nodes) for w in products]
@@ -73,12 +73,13 @@ def _product_sum(values: list[Value], functions) -> Value:
 
 @traced
 def add_field(grid, nodes, component, first, w, e, amount, slope):
-    """Add to components of the values of nodes (C, n), from one on, what particles have at a stencil: a_c w + sum_k s_kc w_k.
+    """Add a_c w_I + sum_k s_kc w_kI of particles to the values of nodes (C, n) at a stencil, from row `component` on.
 
-    w_k are the products with e_k in the place of w_k. Either of the amounts a (C,) and the slopes s (d, C) may be None.
+    w_I are products of functions w (d, W) along the axes, and w_kI those with e_k instead of w_k. Either `amount` a (C,) or
+    `slope` s (d, C) may be None.
     """
     d, width = len(grid.stride), len(grid.width)
-    # What stands before w and, by axis, before e.
+    # Factors of w and, by axis, of e.
     before = [(amount and amount[c], [s[c] for s in slope] if slope else [None] * d) for c in range(len(amount or slope[0]))]
     if not _in_planes(grid):
         for c, one in enumerate(before):
@@ -92,14 +93,14 @@ def add_field(grid, nodes, component, first, w, e, amount, slope):
 
 
 def _spread(terms, w, e) -> list[Value]:
-    """Values of nodes, x fastest, of what stands before the functions w and e of the axes."""
+    """Values of nodes, x fastest, from the factors of the functions w and e of the axes."""
     for functions in zip(reversed(w), reversed(e), strict=True):
         terms = _along(terms, *functions)
     return [value for value, _ in terms]
 
 
 def _along(terms, w, e):
-    """What stands before the functions of the axes before one, by node along it."""
+    """Factors of the functions of the remaining axes, for each node along the last one."""
     return [
         (_plus(_times(a, w_j), _times(s[-1], e_j)), [_times(b, w_j) for b in s[:-1]])
         for a, s in terms
@@ -108,17 +109,17 @@ def _along(terms, w, e):
 
 
 def _times(a, b):
-    """Product, or nothing if there is no factor."""
+    """Product; None if a is None."""
     return None if a is None else a * b
 
 
 def _plus(a, b):
-    """Sum of those that there are."""
+    """Sum of those that are not None."""
     return a if b is None else b if a is None else a + b
 
 
 def _add(starts: list[Pointer], values: list[Value], width: int) -> None:
-    """Add values by row and node, each the sum of its lanes, to what begins at the starts of the rows."""
+    """Add values, by row and node, to the nodes from the starts of the rows on; of lanes their sum."""
     if not has_lanes(values[0]):
         for k, value in enumerate(values):
             starts[k // width].add(value, k % width)

@@ -1,10 +1,12 @@
-"""Order of the particles: by cell for the memory, and in strips that threads may work on at the same time."""
+"""Order of the particles: sorted by cell, which is quicker in memory, in strips on which threads can work at the same time."""
 
 import math
 import operator
 from functools import reduce
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpmverify.problem import Array
 
@@ -25,34 +27,92 @@ from ..tracing import (
     where,
     while_loop,
 )
-from .basis import CPDI
-from .state import FAILED, PASSED, UNSORTED, Grid, Integers, Nodes, Particles, Scheme, Strips
-from .stencil import cell_number, in_cells, inside, node_of, place
+from .places import cell_number, inside, node_of
+from .state import FAILED, PASSED, Grid, Integers, Nodes, Particles, Scheme
+from .stencil import in_cells, place
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 MOST_STRIPS = 16
 BEYOND = 3
-"""Rows of nodes beyond a strip on either side in which the functions of its particles may begin."""
+"""Rows of nodes beyond either side of a strip in which the functions of its particles may begin."""
 INTERVAL = 50
-"""Steps after which the particles are sorted again, though none has left its strip."""
+"""Steps after which the particles are sorted again even if none has left its strip."""
+UNSORTED = -1
+"""Instead of the step of the last sorting: the particles have to be sorted before the next step."""
 ARRANGED = 4
-"""Steps after which those of one stencil are brought together again in the order of the passes."""
+"""Steps after which the particles of a strip are ordered again by their stencils."""
+
+
+class Strips(NamedTuple):
+    """S strips of cells across the last axis, each with its particles.
+
+    particles : ndarray
+        First particle of each strip, and the number of particles (S + 1,).
+    rows : ndarray
+        First row of cells of each strip, and the number of rows (S + 1,).
+    limits : ndarray
+        Limits of the last coordinate; a particle beyond them is sorted again (S, 2) [m].
+    passed : ndarray
+        Status of the passes over each strip (S,).
+    sums : ndarray
+        Sums of the passes over the particles of each strip (S, 16).
+    nodal : ndarray
+        Sums of the passes over the nodes, which are cut into S parts, a cache line each (S, 8).
+    total : ndarray
+        Sums of `nodal` over the parts, of two passes (2, 8).
+    node : ndarray
+        First node of each particle for `arrange`, its cell for `sort` (P,).
+    shares : ndarray
+        Number of particles of a strip at each node, for `arrange` (S, C).
+    start : ndarray
+        Number of particles in the cells before each, for `sort` (C + 1,).
+    spare : ndarray
+        Room for a state, for `sort` (K,).
+    sorting : ndarray
+        Step of the last sorting, and the number of sortings so far (2,).
+    """
+
+    particles: Integers
+    rows: Integers
+    limits: Array
+    passed: Integers
+    sums: Array
+    nodal: Array
+    total: Array
+    node: NDArray[np.int32]
+    shares: Integers
+    start: Integers
+    spare: Array
+    sorting: Integers
 
 
 def strips(
     lower: float, h: float, cells: tuple[int, ...], width: int, particles: Particles, moving: bool, nodes: int, many: bool
 ) -> Strips:
-    """Strips for a grid of so many cells, with so many `nodes` from row to row: one, or where there are `many` particles several of the
-    same length, and not so short that two of one colour could meet.
+    """Strips of a grid: one, or for `many` particles several of about the same length.
+
+    Parameters
+    ----------
+    lower, h : float
+        Lower end of the last axis, and cell size [m].
+    cells : tuple of int
+        Numbers of cells (d,).
+    width : int
+        Rows of nodes, from that of its cell on, that a particle touches, in lanes that add zero, too.
+    particles : Particles
+    moving : bool
+        Whether functions are evaluated at x, so that particles leave their strips.
+    nodes : int
+        Nodes from one row to the next.
+    many : bool
+        Whether several threads are to share the work.
 
     Notes
     -----
-    Strips are worked on at the same time when they are of one colour, each second one. A particle may have left its strip by a
-    row, and touches the nodes of `width` rows from its own, in the lane that a stencil of three does not use by adding zero: between
-    two strips of a colour lie width + 1 rows. Where functions stay with their material points (`moving` false), particles do not
-    leave their strips.
+    Strips have two colours in turn, and threads work on those of one colour at the same time. A particle may have left its strip by a
+    row, so that width + 1 rows lie between two strips of a colour.
     """
     rows, size = cells[-1], particles.place.size
     count = min(MOST_STRIPS, rows // (width + 1)) // 2 * 2 if many else 1
@@ -82,12 +142,12 @@ def strips(
 
 @traced
 def arrange(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int) -> int:
-    """Bring the particles of a strip together by their first node in the order of the passes (counting sort, stable).
+    """Order the particles of a strip by their first node (counting sort, stable).
 
-    One that is elsewhere, or off the grid, which it is the passes that tell, counts as at a node of the strip all the same. CPDI takes
-    particles one by one.
+    A particle outside the strip or the grid counts as at the nearest node of the strip; the passes find out. A basis that
+    takes particles one by one has no use for the order.
     """
-    if len(grid.kind) == len(CPDI):
+    if not grid.kind.together:
         return PASSED
     begin, end = strips.particles[s], strips.particles[s + 1]
     node, share, order = strips.node, strips.shares[s], particles.order
@@ -120,7 +180,7 @@ def cell_of(scheme: Scheme, grid: Grid, particles: Particles, p: int) -> int:
 
 @traced
 def permute(particles: Particles, order: Integers, spare: Array) -> None:
-    """Particles in another order (P,), along its cycles; `order` becomes that of the sorted ones, `spare` holds a state (K,)."""
+    """Permute the particles to an order (P,) along its cycles; `order` becomes the identity, `spare` (K,) holds a state meanwhile."""
     place, state = particles.place, particles.state
     with for_range(0, order.shape[0]) as first, when(logical_not(equal(order[first], first))):
         number, hole = place[first], Variable(first)
@@ -142,9 +202,7 @@ def permute(particles: Particles, order: Integers, spare: Array) -> None:
 
 @traced
 def sort(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, n: int) -> int:
-    """Sort the particles by cell before step n (counting sort, stable) and share them out among the strips; FAILED when one is off the
-    grid.
-    """
+    """Sort the particles by cell before step n (counting sort, stable) and assign them to strips; FAILED when one is off the grid."""
     cell, order, start = strips.node, particles.order, strips.start
     row_of_cells = reduce(operator.mul, grid.cells[:-1], 1)
     away = Variable(0, order.shape[0])
@@ -170,5 +228,5 @@ def sort(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, n: in
 
 @traced
 def no_sort(scheme: Scheme, grid: Grid, particles: Particles, strips: Strips, n: int) -> int:
-    """For one strip."""
+    """One strip needs no sorting."""
     return PASSED

@@ -22,9 +22,11 @@ from ..tracing import (
     when,
     where,
 )
-from .affine import NO_AFFINE, gather_affine, spin_with, spread_momentum
+from .affine import Uniform, gather_affine, spin_with, spread_momentum
 from .deformation import force_columns, keeps_volume, move, stored_energy, strain, strain_and_stress
 from .grid import leapfrog
+from .histories import Outputs
+from .order import Strips
 from .reconstruction import not_fitted
 from .state import (
     FAILED,
@@ -35,34 +37,24 @@ from .state import (
     STRAIN,
     Grid,
     Nodes,
-    Outputs,
     Particles,
     Scheme,
     Step,
-    Strips,
     columns_of,
 )
-from .stencil import Group, domain, group, places, support
+from .stencil import group, places, support_of
 from .tensors import det
-from .transfer import gather, gather_tensor, spread, spread_tensor
 from .vectors import Vector, axpy, cross, dot, null, scale, with_mass
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 USF, USL, MUSL = range(3)
 
 
-@traced
-def support_of(grid: Grid, particles: Particles, some: Group):
-    """Support of the particles of a group."""
-    F = load_rows(particles.state, some.numbers, columns_of(grid.lower, particles.deformation).F, particles.deformation)
-    return support(grid, some.first, some.offset, domain(grid, F))
-
-
 @contextmanager
 def groups(scheme: Scheme, grid: Grid, particles: Particles, begin: int, end: int) -> Iterator[tuple[Any, Any]]:
-    """A loop over the particles on the grid that one stencil serves at a time: the group and its support."""
+    """A loop over groups of particles that share a stencil: the group and its support."""
     with for_strides(begin, end) as (p, advance):
         some = group(scheme, grid, particles, p, end)
         with when(some.size > 0):
@@ -72,11 +64,11 @@ def groups(scheme: Scheme, grid: Grid, particles: Particles, begin: int, end: in
 
 @traced
 def spread_inertia(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, numbers, m, v: Vector, at) -> None:
-    """m_I += m_p N_Ip, and the momentum."""
-    if len(scheme.affine) == len(NO_AFFINE):
-        spread(grid, nodes.inertia, 0, at, with_mass(m, v))
+    """m_I += m_p N_Ip, and p_I as of `spread_momentum`."""
+    if isinstance(scheme.affine, Uniform):
+        at.spread(grid, nodes.inertia, 0, with_mass(m, v))
     else:
-        spread(grid, nodes.inertia, 0, at, (m,))
+        at.spread(grid, nodes.inertia, 0, (m,))
         spread_momentum(scheme, grid, particles, nodes, numbers, m, v, at)
 
 
@@ -84,9 +76,10 @@ def spread_inertia(scheme: Scheme, grid: Grid, particles: Particles, nodes: Node
 def particles_to_grid(
     scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step
 ) -> int:
-    """m_I = sum_p m_p N_Ip, p_I = sum_p m_p N_Ip [v_p + B_p D_p^-1 (x_I - x_p)] and, with `forces` f_I.
+    """Mass, momentum and, if `step.forces`, forces of the particles to the grid; FAILED when a particle is not on the grid.
 
-    Internal -sum_p V_p sigma_p dN_Ip/dx and external sum_p m_p b_p N_Ip. FAILED when a particle is not on the grid.
+    m_I = sum_p m_p N_Ip and p_I = sum_p m_p N_Ip [v_p + C_p (x_I - x_p)] with the gradient C_p of an affine transfer. The internal
+    force is -sum_p V_p sigma_p dN_Ip/dx, the external one sum_p m_p b_p N_Ip.
     """
     zero, state, passed, end = null(grid.lower)[0], particles.state, Variable(PASSED, s), strips.particles[s + 1]
     column = columns_of(zero, particles.deformation)
@@ -99,10 +92,10 @@ def particles_to_grid(
             spread_inertia(scheme, grid, particles, nodes, some.numbers, m, v, at)
             with when(step.forces):
                 F, sigma = strain_and_stress(particles, some.numbers, zero)
-                spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
+                at.spread_tensor(grid, nodes.internal, 0, force_columns(scheme, V, sigma, F, zero))
             with when((step.body.shape[0] > 0) & logical_not(scheme.nodal_body)):
                 b = load_rows(step.body[step.load], places(particles, some.numbers), 0, zero)
-                spread(grid, nodes.external, 0, at, scale(m, b))
+                at.spread(grid, nodes.external, 0, scale(m, b))
         passed.value = where(some.size > 0, passed.value, FAILED)
         advance(maximum(some.size, 1))
     return passed.value
@@ -110,13 +103,13 @@ def particles_to_grid(
 
 @traced
 def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int) -> int:
-    """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of the nodes, to the particles and back."""
+    """p_I += sum_p m_p N_Ip sum_J N_Jp t_J: a term of a series from the nodes to the particles and back."""
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
         m = (
             some.present
             * load_rows(particles.state, some.numbers, columns_of(grid.lower, particles.deformation).mass, (0.0,))[0]
         )
-        spread(grid, nodes.inertia, 1, at, scale(m, gather(grid, nodes.term, at)))
+        at.spread(grid, nodes.inertia, 1, scale(m, at.gather(grid, nodes.term)))
     return PASSED
 
 
@@ -124,12 +117,15 @@ def smooth(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strip
 def grid_to_particles(
     scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step
 ) -> int:
-    """To `record`, sums at t^n; then, to `advance`, v_p = flip (v_p + dt sum_I N_I a_I) + (1 - flip) sum_I N_I v_I, with the correction
-    of XPIC, and what else a step changes.
+    """If `step.record`, sums at t^n; then, if `step.advance`, the new velocities and, for some schedules, positions and stresses.
 
-    Half of dt for the velocities at n = 0. USL: strain and stress. USF and USL: x_p += dt sum_I N_I v_I. MUSL: the new
-    momentum goes to the grid, which leaves both to `strain_particles`. FAILED at J <= 0, STRAYED when a particle passes the limits of
-    the strip (2,) [m].
+    v_p = flip (v_p + dt sum_I N_I a_I) + (1 - flip) sum_I N_I v_I, with the correction of XPIC; dt/2 at n = 0.
+
+    - USF: x_p += dt sum_I N_I v_I.
+    - USL: the same, then strain and stress.
+    - MUSL: the new momentum to the grid; `strain_particles` does the rest.
+
+    FAILED at J <= 0, STRAYED when a particle passes the limits of its strip.
     """
     zero = null(grid.lower)[0]
     column = columns_of(zero, particles.deformation)
@@ -140,7 +136,7 @@ def grid_to_particles(
         sums[c] = 0.0
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
         before = load_rows(state, some.numbers, column.velocity, zero)
-        a = cond(step.record | (scheme.flip > 0), lambda: gather(grid, nodes.acceleration, at), zero)
+        a = cond(step.record | (scheme.flip > 0), lambda: at.gather(grid, nodes.acceleration), zero)
         with when(step.record):
             m = some.present * load_rows(state, some.numbers, column.mass, (0.0,))[0]
             now, x = axpy(kick, a, before), load_rows(state, some.numbers, 0, zero)
@@ -150,12 +146,12 @@ def grid_to_particles(
             add_sums(sums, MOMENTUM, m, now)
             add_sums(sums, MOMENTUM + len(zero), m, spin)
         with when(step.advance):
-            moved = gather(grid, nodes.velocity, at)
-            gradient = gather_tensor(grid, nodes.velocity, at)
+            moved = at.gather(grid, nodes.velocity)
+            gradient = at.gather_tensor(grid, nodes.velocity)
             affine = gather_affine(scheme, grid, nodes, at, gradient)
             v = axpy(scheme.flip, axpy(leap, a, before), scale(1 - scheme.flip, moved))
-            if len(scheme.series) > 0:
-                v = cond(scheme.full_mass, v, lambda: axpy(1.0, gather(grid, nodes.projected, at), v))
+            if scheme.series is not None:
+                v = cond(scheme.series.full_mass, v, lambda: axpy(1.0, at.gather(grid, nodes.projected), v))
             store_rows(state, some.numbers, column.velocity, v)
             store_rows(state, some.numbers, column.affine, affine)
             again = equal(scheme.schedule, MUSL)
@@ -172,10 +168,12 @@ def grid_to_particles(
 
 @traced
 def strain_particles(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step) -> int:
-    """A pass of its own for strain and stress: at the beginning of a step for USF, at its end for MUSL.
+    """Strain and stress in a pass of their own: at the beginning of a step for USF, at its end for MUSL.
 
-    USF: from the velocities of the grid before the kick, then the internal forces. MUSL: from those that were projected again,
-    after x_p += dt sum_I N_I v_I. FAILED at J <= 0, STRAYED when a particle passes the limits of the strip (2,) [m].
+    - USF: from the velocities of the nodes before they are accelerated, then the internal forces.
+    - MUSL: x_p += dt sum_I N_I v_I, then strain from the velocities of the momentum that was projected again.
+
+    FAILED at J <= 0, STRAYED when a particle passes the limits of its strip.
     """
     zero = null(grid.lower)[0]
     column = columns_of(zero, particles.deformation)
@@ -184,7 +182,7 @@ def strain_particles(scheme: Scheme, grid: Grid, particles: Particles, nodes: No
     sums[HEAT] = 0.0
     nodal = where(first_of_all, nodes.velocity, nodes.projected)
     with groups(scheme, grid, particles, strips.particles[s], strips.particles[s + 1]) as (some, at):
-        gradient, moved = gather_tensor(grid, nodal, at), gather(grid, nodes.velocity, at)
+        gradient, moved = at.gather_tensor(grid, nodal), at.gather(grid, nodes.velocity)
         with when(logical_not(first_of_all)):
             passed.value = minimum(passed.value, move(grid, state, some, scale(step.dt, moved), limits))
         strained = strain(scheme, particles, some, scale(step.dt, gradient), step.dt, sums, zero)
@@ -192,7 +190,7 @@ def strain_particles(scheme: Scheme, grid: Grid, particles: Particles, nodes: No
         with when(first_of_all):
             F, sigma = strain_and_stress(particles, some.numbers, zero)
             V = some.present * load_rows(state, some.numbers, column.volume, (0.0,))[0]
-            spread_tensor(grid, nodes.internal, 0, at, force_columns(scheme, V, sigma, F, zero))
+            at.spread_tensor(grid, nodes.internal, 0, force_columns(scheme, V, sigma, F, zero))
     return passed.value
 
 
@@ -209,14 +207,14 @@ def record_fields(
     begin: int,
     end: int,
 ) -> None:
-    """u^n, sigma^n, volume and v^n = v^{n-1/2} + dt/2 sum_I N_I a_I, as output k in the order of the problem."""
+    """Record u^n, sigma^n, volume and v^n = v^{n-1/2} + dt/2 sum_I N_I a_I as output k, in the order of the problem."""
     zero = null(grid.lower)[0]
     column = columns_of(zero, particles.deformation)
     kick, _ = leapfrog(n, dt)
     state = particles.state
     with groups(scheme, grid, particles, begin, end) as (some, at):
         at_place, x = places(particles, some.numbers), load_rows(state, some.numbers, 0, zero)
-        now = axpy(kick, gather(grid, nodes.acceleration, at), load_rows(state, some.numbers, column.velocity, zero))
+        now = axpy(kick, at.gather(grid, nodes.acceleration), load_rows(state, some.numbers, column.velocity, zero))
         store_rows(outputs.displacement[k], at_place, 0, axpy(-1.0, load_rows(particles.reference, at_place, 0, zero), x))
         store_rows(outputs.velocity[k], at_place, 0, now)
         F, sigma = strain_and_stress(particles, some.numbers, zero)

@@ -1,9 +1,9 @@
-"""Taylor least squares: in each cell fields are fitted to the particles, and the grid gets the integrals of the fits.
+"""Taylor least squares: fields are fitted to the particles of each cell, and the integrals of the fits go to the grid.
 
-A fit is a Taylor polynomial about the middle of the cell, its highest terms less their means: of the first degree for hats, else of the
-second, or of a lower one where the particles of the cell do not determine more. What is conserved, mass, momentum and body force, takes
-its mean from the sum over the particles, and is that mean where the density might not be positive. At a free surface, in a cell at a
-loaded face or beside an empty one, particles stay what they are to the other bases: points of quadrature with their volumes.
+A fit is a Taylor polynomial about the middle of the cell, with the means of its terms subtracted: of the first degree for hats, else of
+the second, or of a lower one where the particles of the cell do not determine more. The fits of the conserved densities (mass, momentum,
+body force) have the sum over the particles as their integral, and are constant where the density might not be positive. In a cell at a
+loaded face, or beside an empty one, particles are points of quadrature with their volumes, as with the other bases.
 
 References
 ----------
@@ -33,7 +33,7 @@ from ..tracing import (
     when,
     where,
 )
-from .basis import ONE, TLS, Axis, Basis
+from .basis import Axis, Basis
 from .deformation import force_columns, strain_and_stress
 from .fits import (
     FITTED,
@@ -50,19 +50,21 @@ from .fits import (
     solve,
     taylor,
 )
-from .state import PASSED, Grid, Nodes, Particles, Scheme, Step, Strips, columns_of
-from .stencil import Group, cell_number, group, places, support
+from .order import Strips
+from .places import cell_number
+from .splines import ONE
+from .state import PASSED, Grid, Nodes, Particles, Scheme, Step, columns_of
+from .stencil import Group, group, places
 from .tensors import det
-from .transfer import spread, spread_tensor
 from .vectors import null, scale, with_mass
 
-# Tuples whose length decides what a function returns have no annotation.
+# Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
 def cells_of(axes: tuple[Axis, ...], basis: Basis, boundary: Mapping[str, object]) -> Array:
-    """Room for the sums of all cells (C, K), x fastest; none where the basis reconstructs nothing."""
-    if basis.kind != TLS:
+    """Zero sums of all cells (C, K), x fastest; none where the basis fits nothing."""
+    if not basis.kind.fitted:
         return np.zeros((0, 0))
     d = len(axes)
     parts = parts_of((0.0,) * math.comb(d + min(basis.degree, 2), d), (0.0,) * d)
@@ -76,7 +78,7 @@ def cells_of(axes: tuple[Axis, ...], basis: Basis, boundary: Mapping[str, object
 
 @traced
 def cell_along(grid: Grid, number: int):
-    """How far along the axes the cell of a number is (d,)."""
+    """Numbers along the axes (d,) of the cell of a number."""
     along = []
     for cells in grid.cells[:-1]:
         along.append(number % cells)
@@ -86,14 +88,14 @@ def cell_along(grid: Grid, number: int):
 
 @traced
 def add_products(cell: Array, first: int, stride: int, functions, values) -> None:
-    """Add the sums of products of functions with values (k, ...), a row each `stride` entries."""
+    """Add the sums over particles of products of functions with values, a row of `stride` entries for each function."""
     for i in range(len(functions)):
         add_sums(cell, first + stride * i, functions[i], values)
 
 
 @traced
 def add_to_cell(scheme: Scheme, grid: Grid, particles: Particles, some: Group, cell: Array, step: Step) -> None:
-    """Add to the sums of a cell what a group of its particles has, with what makes `forces` or without."""
+    """Add a group of particles to the sums of their cell; body force and stress only if `step.forces`."""
     zero, d, state = null(grid.lower)[0], len(grid.lower), particles.state
     column = columns_of(zero, particles.deformation)
     F, sigma = strain_and_stress(particles, some.numbers, zero)
@@ -118,7 +120,7 @@ def add_to_cell(scheme: Scheme, grid: Grid, particles: Particles, some: Group, c
 
 @traced
 def fit_cells(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step) -> int:
-    """A pass over the particles that adds up what the fits of their cells need; that one is not on the grid `particles_to_grid` says."""
+    """A pass over the particles that adds up the sums of their cells; a particle off the grid is left to `particles_to_grid`."""
     end = strips.particles[s + 1]
     with for_strides(strips.particles[s], end) as (p, advance):
         some = group(scheme, grid, particles, p, end)
@@ -131,24 +133,24 @@ def fit_cells(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, st
 
 @traced
 def spread_cell(grid: Grid, nodes: Nodes, c: int, volume: float, forces: bool) -> None:
-    """Integrals of the fits of a cell with the functions of the grid and their gradients."""
-    zero, tensor, _ = null(grid.lower)
+    """Add the integrals of the fits of a cell, times the functions of the grid or their gradients, to the nodes."""
+    zero = null(grid.lower)[0]
     d, first = len(zero), cell_along(grid, c)
     with for_range(0, len(gauss_points(grid.width)[0]) ** d, like=c) as number:
         xi, weight = gauss_point(grid.width, number, zero)
         functions = scale(weight * volume, taylor(grid.width, xi))
         parts = parts_of(functions, zero)
-        at, B, stride = support(grid, first, xi, tensor), parts.densities, parts.fields
-        spread(grid, nodes.inertia, 0, at, fitted(nodes.cells, c, B, stride, functions, with_mass(0.0, zero)))
+        at, B, stride = grid.kind.support(grid, first, xi, None), parts.densities, parts.fields
+        at.spread(grid, nodes.inertia, 0, fitted(nodes.cells, c, B, stride, functions, with_mass(0.0, zero)))
         with when(forces):
-            spread(grid, nodes.external, 0, at, fitted(nodes.cells, c, B + 1 + d, stride, functions, zero))
+            at.spread(grid, nodes.external, 0, fitted(nodes.cells, c, B + 1 + d, stride, functions, zero))
             minus_stress = fitted_columns(nodes.cells, c, B + parts.conserved, stride, functions, zero)
-            spread_tensor(grid, nodes.internal, 0, at, minus_stress)
+            at.spread_tensor(grid, nodes.internal, 0, minus_stress)
 
 
 @traced
 def enclosed(grid: Grid, cells: Array, c: int) -> bool:
-    """Whether there are particles in a cell and beyond all its faces, but for those at an end of the grid that is held."""
+    """Whether a cell and its neighbours across all faces have particles; a held end of the grid needs no neighbour."""
     there, stride = (cells[c, OPEN] <= 0) & (cells[c, POPULATION] > 0), 1
     for count, periodic in zip(grid.cells, grid.periodic, strict=True):
         i = c // stride % count
@@ -161,10 +163,10 @@ def enclosed(grid: Grid, cells: Array, c: int) -> bool:
 
 @traced
 def spread_fits(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int, step: Step) -> int:
-    """A pass over the cells of a strip: those that can be are fitted and give the grid mass, momentum and, with `forces`, these.
+    """A pass over the cells of a strip: enclosed cells are fitted, and add mass, momentum and, if `step.forces`, forces to the grid.
 
-    The sums are zero again afterwards. What stays is the number of particles, which other strips may yet ask for, and whether a cell
-    is fitted, for the passes over the particles.
+    The sums are then set to zero, but for the number of particles, which other strips may need, and the mark of fitted cells, which the
+    passes over the particles need.
     """
     zero, d = grid.lower, len(grid.lower)
     volume, row_of_cells = reduce(operator.truediv, (grid.scale,) * d, 1.0), reduce(operator.mul, grid.cells[:-1], 1)
@@ -184,8 +186,8 @@ def spread_fits(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, 
 
 @traced
 def not_fitted(grid: Grid, nodes: Nodes, some: Group):
-    """The particles of a group that are points of quadrature, as 1 and 0: all, but where their cell is fitted none."""
-    if len(grid.kind) != len(TLS):
+    """1 for each particle of a group that is a point of quadrature, else 0: no particle of a fitted cell is."""
+    if not grid.kind.fitted:
         return some.present
     (fitted,) = load_row(nodes.cells, (cell_number(grid, some.first), FITTED), ONE)
     return some.present * (1.0 - fitted)

@@ -14,14 +14,16 @@ from mpmverify.solution import Outcome, Solution, Status, Work
 from ..tracing import start_threads
 from . import loop, passes
 from .acceptance import check
-from .basis import BASES, CPDI, GIMP, MLS, TLS, Axis, basis_axis
+from .affine import AFFINE
+from .basis import BASES, Axis, Basis, basis_axis, grid_of
 from .constitution import LAWS, LINEAR_ELASTIC, constitution
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
-from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSTABLE, by_component, no_histories
+from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSTABLE, Outputs, by_component, no_histories
 from .layout import REGULAR, Layout, place_particles
-from .order import strips
+from .order import Strips, strips
 from .reconstruction import cells_of
-from .state import Grid, Nodes, Outputs, Particles, Scheme, Strips, columns_of, grid_of, nodal
+from .splines import MovingLeastSquares
+from .state import Grid, Nodes, Particles, Scheme, Series, columns_of, nodal
 from .transfers import FLIP, Transfer
 
 SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
@@ -36,9 +38,9 @@ STATUSES = {
     INVERTED: Status.NON_FINITE,
 }
 BLOCK = 4_000_000
-"""Most body-force values held at once: 32 MB."""
+"""Largest number of body-force values held at once: 32 MB."""
 MANY = 50_000
-"""So many particles are worth several threads."""
+"""Number of particles from which several threads are used."""
 
 
 @dataclass(frozen=True)
@@ -52,35 +54,34 @@ class MaterialPoint:
     transfer : Transfer
         How the velocity of the grid becomes that of the particles.
     basis : {"linear", "quadratic", "cubic", "mls-quadratic", ..., "tls-linear", ..., "ugimp", "cpgimp", "cpdi"}
-        B-splines of the grid, linear is the hat; those with the gradients of moving least squares, or with Taylor least squares in
-        the cells; hats averaged over the domain of
-        a particle, which stays as it was, stretches along the axes, or deforms to a parallelepiped.
+        B-splines of the grid, of which the linear ones are hats; B-splines with the gradients of moving least squares, or with Taylor
+        least squares in the cells; hats averaged over the domain of a particle, which keeps its shape, stretches along the axes, or
+        deforms to a parallelepiped. See `basis.BASES`.
     formulation : {"updated", "total"}
         Lagrangian formulation.
     body_force_at : {"particles", "nodes"}
-        Where the body force is evaluated; nodes keep their material coordinates in the total Lagrangian only.
+        Where the body force is evaluated; at the nodes, in the total Lagrangian formulation only, where they are material points.
     layout : Layout
-        Where the particles of a cell begin.
+        Initial places of the particles in a cell.
     record_every : int
-        Steps from one entry of the histories to the next; the first and the last step are recorded in any case. Instability is
-        looked for at these steps.
+        Steps from one entry of the histories to the next; the first and the last step are always recorded. Instability is detected
+        at these steps.
 
     Raises
     ------
     UsageError
-        If a choice does not exist, the body force is asked for at the nodes of an updated Lagrangian grid, an affine transfer
-        for CPDI, Gauss points for particles that have a domain, USF for domains that stretch, or for Taylor least squares USF or
-        another transfer than PIC, FLIP and their blends.
+        If a choice does not exist, or two do not go together: the body force at the nodes and the updated Lagrangian formulation, an
+        affine transfer and CPDI, Gauss points and domains, USF and domains that stretch, Taylor least squares and USF or a transfer
+        other than PIC, FLIP and their blends.
 
     Notes
     -----
-    Position, stress and deformation live at t^n, velocity at t^{n-1/2}; what is returned is synchronous. Of the deformation gradient a
-    linear elastic body keeps its determinant alone, unless its particles have domains. A traction
-    acts on the end functions of the grid: in the updated Lagrangian formulation a loaded face must stay within its cells.
-    Where a free surface crosses a cell by little, f/m of the nodes beyond it is large: harmless to B-splines; linear functions need
-    FLIP or FMPM, with USF or MUSL, to strain by velocities that the mass of the particles has averaged. Taylor least squares in the
-    updated Lagrangian formulation needs particles enough to determine the fits wherever they gather: less than three along an axis are
-    too few, and so may three be that begin jittered.
+    Position, stress and deformation are known at t^n, velocity at t^{n-1/2}; the solution is synchronous. Of a linear elastic body only
+    the determinant of the deformation gradient is kept, unless its particles have domains. A traction acts on the end functions of the
+    grid: in the updated Lagrangian formulation a loaded face must stay within its cells. Where a free surface enters a cell by little,
+    f/m of the nodes beyond it is large. This is harmless with B-splines; with linear functions use FLIP or FMPM and USF or MUSL, whose
+    strains come from velocities averaged by the mass of the particles. Taylor least squares in the updated Lagrangian formulation needs
+    more than two particles along an axis of a cell, and may need more than three if they begin jittered.
 
     References
     ----------
@@ -122,16 +123,20 @@ class MaterialPoint:
         if self.transfer.affine and self.basis == "cpdi":
             raise UsageError("an affine transfer needs functions that are products: choose another basis than CPDI")
         series = self.transfer.affine or self.transfer.terms > 1
-        if BASES[self.basis].kind == TLS and (series or self.schedule == "USF"):
+        if self._basis.kind.fitted and (series or self.schedule == "USF"):
             raise UsageError("Taylor least squares goes with PIC, FLIP or a blend of both, and with USL or MUSL")
-        if self.schedule == "USF" and BASES[self.basis].stretched and self.formulation == "updated":
+        if self.schedule == "USF" and self._basis.stretched and self.formulation == "updated":
             raise UsageError("USF would stretch the domains between the two transfers of a step: choose USL or MUSL")
-        if self.layout.gauss and BASES[self.basis].kind in (GIMP, CPDI):
+        if self.layout.gauss and self._basis.kind.domains:
             raise UsageError("the domains of GIMP and CPDI are equal parts of a cell: choose another layout than Gauss points")
         if self.body_force_at == "nodes" and self.formulation != "total":
             raise UsageError(
                 "the body force can be taken at the nodes in the total Lagrangian formulation only: set formulation='total'"
             )
+
+    @property
+    def _basis(self) -> Basis:
+        return BASES[self.basis]
 
     @property
     def name(self) -> str:
@@ -141,33 +146,34 @@ class MaterialPoint:
 
     @property
     def conserves(self) -> frozenset[str]:
-        """Taylor least squares keeps the momentum on its way to the grid, but not on that back."""
-        return frozenset({"mass"} if BASES[self.basis].kind == TLS else {"mass", "momentum"})
+        """Mass, and momentum unless fields are fitted: Taylor least squares conserves it to the grid, but not back to the particles."""
+        return frozenset({"mass"} if self._basis.kind.fitted else {"mass", "momentum"})
 
     @property
     def orders(self) -> Mapping[str, float]:
         """Formal orders in h while no particle crosses a cell.
 
-        PIC damps at first order; the affine transfers keep what it smooths, and damp at second order, as XPIC and FMPM do with two
-        terms. The gradient of the hat is constant in a cell, thus second order in its middle only (`ppc` = 1). The lumped mass of the
-        clamped spline is off its node by O(h) in the two functions at each end: half an order in L2 there, of the acceleration that
-        FLIP adds to the velocity, too. In the end cells of clamped cubic splines the quadrature over particles, and with moving least
-        squares the gradient itself, does not balance a constant stress: a strain that is off by O(1) over O(h) leaves half an order of
-        the stress and, with cubic splines on fine levels alone, the first of displacement and velocity.
+        - PIC damps at first order. Affine transfers, and XPIC and FMPM with two terms, damp at second order.
+        - The gradient of the hat is constant in a cell, so that it is of second order in the middle of the cell only (`ppc` = 1).
+        - The centre of the lumped mass of the two functions at each clamped end is O(h) from their nodes. This costs half an order in L2
+          of the stress, and of the velocity where FLIP adds the acceleration to it.
+        - In the end cells of clamped cubic splines the quadrature over particles does not balance a constant stress, and with moving
+          least squares neither does the gradient: a strain error of O(1) over a length O(h) leaves half an order of the stress and
+          first order of displacement and velocity, which with cubic splines shows on fine levels only.
         """
         damped = self.transfer.flip < 1 and not self.transfer.affine and self.transfer.terms == 1
-        if BASES[self.basis].kind == MLS or BASES[self.basis].degree > 2:
+        if isinstance(self._basis.kind, MovingLeastSquares) or self._basis.degree > 2:
             return {"displacement": 1.0, "velocity": 1.0, "stress": 0.5}
         if damped:
             return {"displacement": 1.0, "velocity": 1.0, "stress": 1.0}
-        if BASES[self.basis].degree > 1:
+        if self._basis.degree > 1:
             return {"displacement": 2.0, "velocity": 2.0 if self.transfer.affine else 1.5, "stress": 1.5}
         return {"displacement": 2.0, "velocity": 2.0, "stress": 1.0}
 
     def kernel(self, problem: Problem) -> Hashable:
-        """What is compiled for a problem."""
-        basis, law = BASES[self.basis], LAWS.get(type(problem.material))
-        return problem.dimension, basis.kind, basis.width, self.transfer.affine, self.transfer.terms > 1, law == LINEAR_ELASTIC
+        """Key of the compiled loop: equal for problems that share it."""
+        kind, width, law = type(self._basis.kind), self._basis.width, LAWS.get(type(problem.material))
+        return problem.dimension, kind, width, self.transfer.affine, self.transfer.terms > 1, law is LINEAR_ELASTIC
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
         """Solve; numerical failure is an `Outcome`.
@@ -175,9 +181,9 @@ class MaterialPoint:
         Raises
         ------
         UsageError
-            If the problem is refused by `acceptance.check`, or has a body force in spatial coordinates that is asked for at the nodes.
+            If `acceptance.check` refuses the problem, or its body force in spatial coordinates is to be evaluated at the nodes.
         """
-        check(problem, self.name, BASES[self.basis].kind == TLS)
+        check(problem, self.name, self._basis.kind.fitted)
         nodal = self.body_force_at == "nodes" and isinstance(problem.body_force, Spatial)
         require(not nodal, self.name, problem, "a body force in spatial coordinates at the particles only")
         steps, dt = discretisation.time_steps(problem)
@@ -247,11 +253,9 @@ class MaterialPoint:
         assert isinstance(problem.material, LinearElastic)
         return Scheme(
             SCHEDULES[self.schedule],
-            self.transfer.affine,
+            AFFINE[self.transfer.affine],
             float(self.transfer.flip),
-            (0.0,) if self.transfer.terms > 1 else (),
-            self.transfer.terms,
-            self.transfer.full_mass and self.transfer.terms > 1,
+            Series(self.transfer.terms, self.transfer.full_mass) if self.transfer.terms > 1 else None,
             self.formulation == "total",
             self.body_force_at == "nodes",
             *constitution(problem.material),
@@ -259,34 +263,32 @@ class MaterialPoint:
 
     def _axes(self, problem: Problem, at: Discretisation) -> tuple[Axis, ...]:
         return tuple(
-            basis_axis(BASES[self.basis], lower, at.h, cells, isinstance(problem.boundary[f"{name}-"], Periodic))
+            basis_axis(self._basis, lower, at.h, cells, isinstance(problem.boundary[f"{name}-"], Periodic))
             for name, lower, cells in zip("xyz", problem.lower, at.cells(problem), strict=False)
         )
 
     def _grid(self, axes: tuple[Axis, ...], at: Discretisation) -> Grid:
-        basis = BASES[self.basis]
-        stretched = basis.stretched and self.formulation == "updated"
-        return grid_of(axes, at.h, basis, ghosts(axes), 0.5 / at.ppc, stretched)
+        stretched = self._basis.stretched and self.formulation == "updated"
+        return grid_of(axes, at.h, self._basis, ghosts(axes), 0.5 / at.ppc, stretched)
 
     def _nodes(self, axes: tuple[Axis, ...], problem: Problem) -> Nodes:
         count, d = math.prod(len(axis.nodes) for axis in axes), len(axes)
         values = [nodal(n, count) for n in (1 + d, *[d] * 6)]
-        return Nodes(*[*values, cells_of(axes, BASES[self.basis], problem.boundary)])
+        return Nodes(*[*values, cells_of(axes, self._basis, problem.boundary)])
 
     def _strips(self, problem: Problem, at: Discretisation, grid: Grid, particles: Particles) -> Strips:
         many, moving = particles.place.size >= MANY, self.formulation == "updated"
-        lanes = 2 if len(grid.width) == 2 else 4
-        reach = {GIMP: lanes + 1, CPDI: lanes + 2}.get(grid.kind, lanes)  # a domain begins before the cell of its particle
-        return strips(grid.lower[-1], at.h, at.cells(problem), reach, particles, moving, grid.stride[-1], many)
+        rows = (2 if self._basis.width == 2 else 4) + self._basis.kind.reach
+        return strips(grid.lower[-1], at.h, at.cells(problem), rows, particles, moving, grid.stride[-1], many)
 
     def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:
-        """Lay the particles out in the initial state of the body."""
+        """Particles in the initial state of the body."""
         assert isinstance(problem.material, LinearElastic)
         count, dimension = reference.shape
         kept = dimension**2 if self.transfer.affine else 0
-        domains = BASES[self.basis].kind in (GIMP, CPDI)
         F = np.eye(dimension) + problem.initial_field("displacement_gradient", reference).reshape(-1, dimension, dimension)
-        deformation = (0.0,) * (dimension**2 if domains or LAWS[type(problem.material)] != LINEAR_ELASTIC else 1)
+        whole = self._basis.kind.domains or LAWS[type(problem.material)] is not LINEAR_ELASTIC
+        deformation = (0.0,) * (dimension**2 if whole else 1)
         state = np.zeros((count, columns_of((0.0,) * dimension, deformation).affine + kept))
         numbers = np.arange(count, dtype=np.int64)
         particles = Particles(numbers, reference, state, numbers.copy(), deformation)

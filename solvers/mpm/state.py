@@ -1,7 +1,6 @@
-"""What the compiled time loop works on; d dimensions, P particles, n nodes, N steps, T outputs, S strips."""
+"""Records that the compiled time loop works on, for d dimensions, P particles, n nodes and N steps."""
 
-import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,32 +8,54 @@ from numpy.typing import NDArray
 from mpmverify.problem import Array
 
 from ..tracing import traced
-from .basis import Axis, Basis
 from .constitution import Constants, Law
 from .vectors import Vector
 
 Integers = NDArray[np.int64]
 FAILED, STRAYED, PASSED = range(3)
-"""What a pass says of its particles."""
-UNSORTED = -1
-"""In the place of the step of the last sorting: the particles are to be sorted before the next."""
+"""Status of a pass: a law failed or a particle left the grid; a particle left its strip; neither. The least one counts."""
 KINETIC, STRAIN, HEAT, MOMENTUM = range(4)
-"""Columns of the sums of a pass; the momentum takes one for each direction, and then comes the angular momentum."""
+"""Columns of the sums of a pass; linear momentum has a column for each direction, and angular momentum follows it."""
+
+
+class Series(NamedTuple):
+    """The series sum_{j < k} (I - S^+ S)^j of a transfer.
+
+    terms : int
+        k.
+    full_mass : bool
+        Whether it stands for the inverse of the full mass (FMPM), or adds to the velocity of particles (XPIC).
+    """
+
+    terms: int
+    full_mass: bool
 
 
 class Scheme(NamedTuple):
-    """Choices of the scheme: schedule, affine part of the transfer, share of FLIP, whether there is a series for the velocity, and if so
-    its terms and whether they stand for the inverse of the full mass; formulation, where the body force acts, law and its constants.
+    """Choices of the scheme; the types of `affine`, `series` and `law` are known where a time loop is compiled.
 
-    The length of `affine` and `series` tells a compiled function which it is.
+    schedule : int
+        `USF`, `USL` or `MUSL` of `passes`.
+    affine : NamedTuple
+        What particles keep of the variation of velocity, a kind of `affine`.
+    flip : float
+        Share of FLIP [1].
+    series : Series, optional
+        Of XPIC and FMPM.
+    total : bool
+        Whether the formulation is total Lagrangian.
+    nodal_body : bool
+        Whether the body force acts at the nodes.
+    law : Linear or Numbered
+        Constitutive law.
+    constants : Constants
+        Of the law.
     """
 
     schedule: int
-    affine: tuple[float, ...]
+    affine: Any
     flip: float
-    series: tuple[float, ...]
-    terms: int
-    full_mass: bool
+    series: Series | None
     total: bool
     nodal_body: bool
     law: Law
@@ -42,11 +63,36 @@ class Scheme(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Lower corner (d,) [m], 1/h [1/m], numbers of cells, whether the ends of an axis are joined, steps from node to node (d,).
+    """The grid and the basis on it; see `basis.Axis` for what belongs to an axis.
 
-    W numbers that tell the width of a stencil; of all axes as of `Axis` the padding (d,), the pieces (d, C), the polynomials, to which
-    these refer, and the nodes (d, n) in cells from the lower end; a ghost node of a periodic axis and its image (G, 2). The kind of the
-    basis, half the side of a particle at first, in cells, and whether it stretches.
+    lower : tuple of float
+        Lower corner (d,) [m].
+    scale : float
+        1/h [1/m].
+    cells : tuple of int
+        Numbers of cells (d,).
+    periodic : tuple of bool
+        Whether the ends of an axis are joined (d,).
+    stride : tuple of int
+        Steps in the number of a node from one to the next along an axis (d,).
+    width : tuple of float
+        W zeros: their number is the width of a stencil, known where the loop is compiled.
+    padding : tuple of int
+        Nodes beyond the lower end of an axis (d,).
+    piece : ndarray
+        Number of the piece of each cell (d, C).
+    polynomials : ndarray
+        Functions of the pieces of all axes (pieces, powers, W).
+    nodes : ndarray
+        Distances of the nodes from the lower ends in cells (d, n).
+    ghosts : ndarray
+        Ghost nodes of periodic axes, each with its image (G, 2).
+    kind : Splines
+        Kind of the basis, see `splines`.
+    half : float
+        Half the side of the domain of a particle at the beginning, in cells.
+    stretched : bool
+        Whether that domain deforms with the particle.
     """
 
     lower: tuple[float, ...]
@@ -60,42 +106,32 @@ class Grid(NamedTuple):
     polynomials: Array
     nodes: Array
     ghosts: Integers
-    kind: tuple[float, ...]
+    kind: Any
     half: float
     stretched: bool
 
 
-def grid_of(axes: tuple[Axis, ...], h: float, basis: Basis, ghosts: Integers, half: float, stretched: bool) -> Grid:
-    """Grid of these axes; the other parameters as of `Grid`."""
-    counts = [len(axis.nodes) for axis in axes]
-    nodes = np.zeros((len(axes), max(counts)))
-    piece = np.zeros((len(axes), max(axis.cells for axis in axes)), dtype=np.uint8)
-    before = 0
-    for k, axis in enumerate(axes):
-        nodes[k, : counts[k]], piece[k, : axis.cells] = (axis.nodes - axis.lower) / h, axis.piece + before
-        before += len(axis.polynomials)
-    return Grid(
-        tuple(axis.lower for axis in axes),
-        1 / h,
-        tuple(axis.cells for axis in axes),
-        tuple(axis.periodic for axis in axes),
-        tuple(math.prod(counts[:k]) for k in range(len(counts))),
-        (0.0,) * basis.width,
-        tuple(axis.padding for axis in axes),
-        piece,
-        np.concatenate([axis.polynomials for axis in axes]),
-        nodes,
-        ghosts,
-        basis.kind,
-        half,
-        stretched,
-    )
+@traced
+def full_mass(scheme: Scheme) -> bool:
+    """Whether a series stands for the inverse of the full mass."""
+    return False if scheme.series is None else scheme.series.full_mass
 
 
 class Columns(NamedTuple):
-    """First column of what makes up the state of a particle; x [m] comes first.
+    """First columns of the parts of a particle's state, after its position x [m].
 
-    v at t^{n-1/2} [m/s], F or J = det F [1], sigma [Pa], m [kg], V0 [m^d], and B [m^2/s], or B D^-1 [1/s], where the transfer keeps one.
+    velocity : int
+        Of v at t^{n-1/2} [m/s].
+    F : int
+        Of F, or of J = det F alone [1].
+    stress : int
+        Of sigma [Pa].
+    mass : int
+        Of m [kg].
+    volume : int
+        Of V0 [m^d].
+    affine : int
+        Of what an affine transfer keeps, see `affine`.
     """
 
     velocity: int
@@ -108,7 +144,7 @@ class Columns(NamedTuple):
 
 @traced
 def columns_of(zero: Vector, deformation: Vector) -> Columns:
-    """Columns of the state in as many dimensions as a vector has, with as many numbers of the deformation as another one has."""
+    """Columns of the state in the dimension of the vector `zero`, with as many numbers of the deformation as `deformation` has."""
     d = len(zero)
     stress = 2 * d + len(deformation)
     mass = stress + d * (d + 1) // 2
@@ -116,10 +152,19 @@ def columns_of(zero: Vector, deformation: Vector) -> Columns:
 
 
 class Particles(NamedTuple):
-    """Place in the order of the problem (P,), X in that order [m] (P, d), the state (P, K), a row of which is read at once, and in which
-    order the passes take them (P,); as many zeros as they keep numbers of their deformation, d^2 of F or one, J, if that is enough.
+    """Particles; the properties are views of columns of the state.
 
-    See `Columns`; the properties are views.
+    place : ndarray
+        Places in the order of the problem (P,).
+    reference : ndarray
+        X in the order of the problem (P, d) [m].
+    state : ndarray
+        A row for each particle (P, K), see `Columns`.
+    order : ndarray
+        Order in which the passes take the particles (P,).
+    deformation : tuple of float
+        Zeros, as many as a particle keeps numbers of its deformation: d^2 for F, 1 for J alone. Their number is known where the loop
+        is compiled.
     """
 
     place: Integers
@@ -165,17 +210,29 @@ class Particles(NamedTuple):
 
 
 def nodal(components: int, count: int) -> Array:
-    """Zero at the nodes (components, count), with room behind the last one for the lane that a stencil of three does not use."""
+    """Zeros at the nodes (components, count); one number more is allocated, for the lane that a stencil of three nodes does not use."""
     return np.zeros(components * count + 1)[:-1].reshape(components, count)
 
 
 class Nodes(NamedTuple):
-    """m_I and p_I in one array (1 + d, n) [kg, kg m/s]; the others (d, n).
+    """Values at the nodes; in less than three dimensions masses and forces are per unit of the missing area or length.
 
-    v_I, v_I of the momentum projected again or the correction of XPIC [m/s], a_I [m/s^2], internal and external f_I [N], and a term
-    of the series of XPIC and FMPM [m/s or m/s^2]. The sums of the cells, see `fits.Parts` (C, K).
-
-    In less than three dimensions masses and forces are per unit of the area or length that is left out.
+    inertia : ndarray
+        m_I and p_I (1 + d, n) [kg, kg m/s].
+    velocity : ndarray
+        v_I (d, n) [m/s].
+    projected : ndarray
+        v_I of the momentum that MUSL projects again, or the correction of XPIC (d, n) [m/s].
+    acceleration : ndarray
+        a_I (d, n) [m/s^2].
+    internal : ndarray
+        Internal force (d, n) [N].
+    external : ndarray
+        External force (d, n) [N].
+    term : ndarray
+        Term of the series of XPIC or FMPM (d, n) [m/s or m/s^2].
+    cells : ndarray
+        Sums of the cells (C, K), see `fits.Parts`; none where the basis fits nothing.
     """
 
     inertia: Array
@@ -188,50 +245,23 @@ class Nodes(NamedTuple):
     cells: Array
 
 
-class Faces(NamedTuple):
-    """Conditions on the faces of the box, K held and L loaded components of nodes.
-
-    `held` and `loaded` give the node, the component and the row of the tables (K, 3) and (L, 3); `area` is the integral of N_I over
-    the face (L,) [m^(d-1)], `velocity` v_b at 0 and all t^{n+1/2} (rows, N + 2) [m/s], `force` p n at all t^n (rows, N + 1) [Pa].
-    """
-
-    held: Integers
-    loaded: Integers
-    area: Array
-    velocity: Array
-    force: Array
-
-
-class Strips(NamedTuple):
-    """S strips of cells across the last axis, each with its particles.
-
-    First particle of each strip and the number of particles (S + 1,), first row of cells of each strip and the number of rows
-    (S + 1,), how far its particles may go before they are sorted again (S, 2) [m], what the passes say of each strip (S,) and the
-    sums that they leave; those that passes over as many parts of the nodes leave (S, 8), a cache line each, and two sums
-    of these (2, 8). The first nodes or the cells of the particles (P,); how many of a strip have each (S, C), for `arrange`; how many
-    particles are in the cells before each (C + 1,) and room for a state (K,), for `sort`; the step of the last sorting, and for tests how
-    many there were (2,).
-    """
-
-    particles: Integers
-    rows: Integers
-    limits: Array
-    passed: Integers
-    sums: Array
-    nodal: Array
-    total: Array
-    node: NDArray[np.int32]
-    shares: Integers
-    start: Integers
-    spare: Array
-    sorting: Integers
-
-
 class Step(NamedTuple):
-    """What the passes of a step are told.
+    """Arguments of the passes of a step.
 
-    A block of body forces (N, P, d) in the order of the problem or (N, n, d) at nodes [m/s^2], empty for none, and which of it this
-    step is on; the step n and dt [s]; whether to record, whether particles bring forces to the grid, and whether to go on to t^{n+1}.
+    body : ndarray
+        Block of body forces (N, P, d) in the order of the problem or (N, n, d) at nodes [m/s^2]; empty for none.
+    load : int
+        Index of the step in this block.
+    n : int
+        Number of the step.
+    dt : float
+        Time step [s].
+    record : bool
+        Whether to record sums at t^n.
+    forces : bool
+        Whether forces are transferred to the grid.
+    advance : bool
+        Whether to go on to t^{n+1}.
     """
 
     body: Array
@@ -241,30 +271,3 @@ class Step(NamedTuple):
     record: bool
     forces: bool
     advance: bool
-
-
-class Outputs(NamedTuple):
-    """Steps of the outputs (T,), and the synchronous u, v (T, P, d), sigma (T, P, d (d + 1)/2), and volume (T, P)."""
-
-    step: Integers
-    displacement: Array
-    velocity: Array
-    stress: Array
-    volume: Array
-
-
-class Histories(NamedTuple):
-    """Steps that are recorded (R,); momentum and impulse (R, d), angular momentum (R, 0, 1 or 3), and (R,) of the other synchronous sums.
-
-    Per unit of the area or length that is left out in less than three dimensions.
-    """
-
-    step: Integers
-    momentum: Array
-    impulse: Array
-    angular_momentum: Array
-    mass: Array
-    kinetic_energy: Array
-    strain_energy: Array
-    external_work: Array
-    dissipated_energy: Array

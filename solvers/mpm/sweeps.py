@@ -1,13 +1,12 @@
-"""The passes of a step as the time loop calls them: in one thread, or over strips of particles and parts of the nodes in several.
+"""The passes of a step as the time loop calls them: in one thread, or in several over strips of particles and parts of the nodes.
 
-What is worked on in threads does not depend on how many there are.
+The strips and parts do not depend on the number of threads, and so neither do the results.
 """
 
 from functools import wraps
 from typing import Any
 
 from ..tracing import for_range, outlined, parallel_for, traced, where
-from .basis import TLS
 from .fits import POPULATION
 from .grid import accelerate, clear, kick_nodes, nodal_velocity
 from .order import arrange, no_sort, sort
@@ -15,12 +14,12 @@ from .passes import grid_to_particles, particles_to_grid, smooth, strain_particl
 from .reconstruction import fit_cells, spread_fits
 from .state import PASSED
 
-# What is a number or lanes, or an array of compiled code, has no annotation.
+# Numbers, lanes and arrays of compiled code have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 
 def _over_strips(one: Any) -> Any:
-    """A pass over all strips, those of one colour at the same time; the worst of what it says of them."""
+    """A pass over all strips, in parallel over those of one colour; it returns the minimum status over the strips."""
 
     @wraps(one)
     def over_strips(scheme, grid, particles, nodes, strips, _, *step):
@@ -42,7 +41,7 @@ def _over_strips(one: Any) -> Any:
 
 
 def _over_parts(one: Any) -> Any:
-    """A pass over the nodes in as many parts as there are strips, and the sum of what the parts leave."""
+    """A pass over the nodes, in parallel over as many parts as there are strips; its sums are those over the parts."""
 
     @wraps(one)
     def over_parts(zero, nodes, strips, velocity, massless, kick, leap, sums, begin, end):
@@ -63,12 +62,12 @@ def _over_parts(one: Any) -> Any:
 
 
 def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
-    """Passes by name, with those that together bring particles to the grid, and these again for bases that fit what they have."""
+    """Passes by name, with `to_grid` that combines those from particles to grid, and `fits_to_grid` that repeats it for fitted bases."""
     passes = {one.__name__: one for one in of_particles + of_nodes}
 
     def all_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
         passes["clear"](grid.lower, nodes, strips, nodes.velocity, 0.0, 0.0, 0.0, strips.total[0], 0, nodes.inertia.shape[1])
-        if len(grid.kind) == len(TLS):
+        if grid.kind.fitted:
             with for_range(0, nodes.cells.shape[0]) as c:
                 nodes.cells[c, POPULATION] = 0.0
             passes["fit_cells"](scheme, grid, particles, nodes, strips, s, step)
@@ -78,11 +77,11 @@ def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
     twice = outlined(all_to_grid)
 
     def to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
-        once = twice if len(grid.kind) == len(TLS) else all_to_grid
+        once = twice if grid.kind.fitted else all_to_grid
         return once(scheme, grid, particles, nodes, strips, s, step)
 
     def fits_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
-        return twice(scheme, grid, particles, nodes, strips, s, step) if len(grid.kind) == len(TLS) else PASSED
+        return twice(scheme, grid, particles, nodes, strips, s, step) if grid.kind.fitted else PASSED
 
     again = {"to_grid": traced(to_grid), "fits_to_grid": traced(fits_to_grid)}
     return passes | again | {"strain_particles": outlined(passes["strain_particles"])}
@@ -91,9 +90,9 @@ def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
 OF_PARTICLES = [particles_to_grid, grid_to_particles, strain_particles, smooth, arrange, fit_cells, spread_fits]
 OF_NODES = [clear, nodal_velocity, accelerate, kick_nodes]
 IN_TURN = _with_grid(OF_PARTICLES, OF_NODES) | {"sort": no_sort}
-"""What the loop calls, in one thread and over one strip."""
+"""Passes of the loop in one thread, over one strip."""
 IN_THREADS = _with_grid([_over_strips(one) for one in OF_PARTICLES], [_over_parts(one) for one in OF_NODES]) | {
     "sort": outlined(sort)
 }
-"""The same over several."""
+"""Passes of the loop in several threads, over several strips."""
 to_grid, fits_to_grid = IN_TURN["to_grid"], IN_TURN["fits_to_grid"]

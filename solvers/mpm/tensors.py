@@ -11,7 +11,7 @@ from math import pi
 from ..tracing import acos, asinh, atanh, cos, log, maximum, minimum, sqrt, traced, where
 from .vectors import DIMENSION, cross, dot
 
-# What is a number or lanes has no annotation.
+# Numbers and lanes of compiled code have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 Tensor = tuple[float, ...]
@@ -21,9 +21,9 @@ PLACES = {
     3: ((0, 0), (1, 1), (0, 1)),
     6: ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)),
 }
-"""Row and column of the components of a symmetric tensor, by how many they are."""
+"""Row and column of each component of a symmetric tensor, by the number of components."""
 SYMMETRIC = {1: PLACES[1], 2: PLACES[3], 3: PLACES[6]}
-"""The same by dimension."""
+"""The same, by dimension."""
 
 
 @traced
@@ -68,7 +68,7 @@ def full(A: Symmetric) -> Tensor:
 
 @traced
 def cofactor(F: Tensor) -> Tensor:
-    """J F^-T, whose rows are cross products of the rows of F, so that none is divided by."""
+    """J F^-T without a division: its rows are cross products of the rows of F."""
     if len(F) == 1:
         return (1.0,)
     if len(F) == 4:

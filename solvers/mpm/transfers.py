@@ -1,57 +1,68 @@
-"""Transfers of velocity between particles and grid, as values."""
+"""Transfers of velocity between particles and grid: a value for each, and the table of those without a parameter.
+
+To add a transfer, make it of the parameters of `Transfer`; what particles keep of the variation of velocity is a kind of `affine`.
+"""
 
 from dataclasses import dataclass
 
 from mpmverify.errors import UsageError
 
-from .affine import APIC as WITH_MOMENT
-from .affine import NO_AFFINE
-from .affine import TPIC as WITH_GRADIENT
+from .affine import AFFINE
 
 
 @dataclass(frozen=True)
 class Transfer:
-    """How the velocity of the grid becomes that of the particles.
+    """Transfer of velocity from the grid to the particles and back.
 
     Parameters
     ----------
     name : str
     flip : float
-        Share of the increment of velocity (FLIP), the rest is the velocity itself (PIC) [1].
-    affine : tuple of float
-        What of the velocity's variation about a particle it keeps: nothing, its moment or its gradient.
+        Share of the particle's own velocity and its increment (FLIP); the rest is the velocity of the grid (PIC) [1].
+    affine : {None, "moment", "gradient"}
+        What particles keep of the variation of velocity about them, see `affine`.
     terms : int
-        k of the series sum_{j < k} (I - S^+ S)^j that takes back what PIC smooths: S from nodes to particles, S^+ back.
+        k of the series sum_{j < k} (I - S^+ S)^j that undoes the smoothing of PIC; S maps nodes to particles, and S^+ back.
     full_mass : bool
-        Whether velocity and acceleration of the nodes are that of the series (FMPM), or what it adds goes to the particles (XPIC).
+        Whether the series replaces velocity and acceleration of the nodes (FMPM), or its correction goes to the particles (XPIC).
 
     Raises
     ------
     UsageError
-        If the share of FLIP is not between 0 and 1, or the series has no term.
+        If the share of FLIP is not between 0 and 1, the affine part does not exist, or the series has no term.
     """
 
     name: str
     flip: float
-    affine: tuple[float, ...] = NO_AFFINE
+    affine: str | None = None
     terms: int = 1
     full_mass: bool = False
 
     def __post_init__(self) -> None:
         if not 0 <= self.flip <= 1:
             raise UsageError(f"the share of FLIP lies between 0 (PIC) and 1 (FLIP), not {self.flip!r}")
+        if self.affine not in AFFINE:
+            raise UsageError(f"the affine part of a transfer is one of {', '.join(map(repr, AFFINE))}, not {self.affine!r}")
         if not (isinstance(self.terms, int) and self.terms >= 1):
             raise UsageError(f"a series of XPIC or FMPM has one term or more, not {self.terms!r}")
 
 
 FLIP = Transfer("flip", 1.0)
 PIC = Transfer("pic", 0.0)
-APIC = Transfer("apic", 0.0, WITH_MOMENT)
-TPIC = Transfer("tpic", 0.0, WITH_GRADIENT)
+APIC = Transfer("apic", 0.0, affine="moment")
+TPIC = Transfer("tpic", 0.0, affine="gradient")
+AFLIP = Transfer("aflip", 1.0, affine="moment")
+"""FLIP with the affine part of APIC: v_p += dt sum_I N_Ip a_I and B_p = sum_I v_I N_Ip (x_I - x_p)^T.
+
+It conserves linear momentum, but not angular momentum: that changes as the affine parts do when v_I of the old velocities is projected
+back on the particles. It damps less than APIC. Fei and others, 2021, doi:10.1145/3450626.3459678, without their separation.
+"""
+TRANSFERS = (FLIP, PIC, APIC, TPIC, AFLIP)
+"""Transfers without a parameter; `blend`, `xpic` and `fmpm` make others."""
 
 
 def blend(flip: float) -> Transfer:
-    """FLIP and PIC in shares.
+    """Blend of FLIP and PIC.
 
     Parameters
     ----------
@@ -67,9 +78,9 @@ def blend(flip: float) -> Transfer:
 
 
 def xpic(order: int) -> Transfer:
-    """Extended PIC of an order m; of the first it is PIC.
+    """Extended PIC of order m, XPIC(m); XPIC(1) is PIC.
 
-    v_p = sum_I N_Ip (sum_{j < m} (I - S^+ S)^j v + dt a)_I: what PIC smooths comes back but for its part of order m in h^2.
+    v_p = sum_I N_Ip (sum_{j < m} (I - S^+ S)^j v + dt a)_I, which smooths at order m in h^2.
 
     Parameters
     ----------
@@ -89,10 +100,10 @@ def xpic(order: int) -> Transfer:
 
 
 def fmpm(order: int) -> Transfer:
-    """Full-mass MPM of an order k; of the first it is PIC.
+    """Full-mass MPM of order k, FMPM(k); FMPM(1) is PIC.
 
-    The velocity of the grid is sum_{j < k} (I - S^+ S)^j (v + dt a), which comes to that of the full mass matrix; particles take
-    it, move and strain with it.
+    The velocity of the grid is sum_{j < k} (I - S^+ S)^j (v + dt a), which converges to that of the full mass matrix; particles take
+    their velocity, motion and strain from it.
 
     Parameters
     ----------

@@ -5,13 +5,13 @@ from functools import reduce
 
 from ..tracing import maximum, traced
 
-# What is a number or lanes has no annotation.
+# Numbers and lanes of compiled code have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
 Vector = tuple[float, ...]
 TINY = 1e-200
 DIMENSION = {1: 1, 4: 2, 9: 3}
-"""Of a row-major tensor by how many components it has."""
+"""Dimension of a row-major tensor by its number of components."""
 
 
 @traced
@@ -34,7 +34,7 @@ def by_components(x, y):
 
 @traced
 def less(x, a):
-    """Components of a vector less a value."""
+    """Components of a vector minus a value."""
     return tuple(p - a for p in x)
 
 
@@ -76,13 +76,13 @@ def with_mass(m: float, v: Vector) -> Vector:
 
 @traced
 def constant(a: float, like: Vector) -> Vector:
-    """As many times a as `like` is long."""
+    """Tuple of a, as long as `like`."""
     return (a,) * len(like)
 
 
 @traced
 def quotient(a: float, x: Vector) -> Vector:
-    """Each a/x; nothing of nothing, at x = 0."""
+    """Each a/x; 0 where a and x are 0."""
     return tuple(a / maximum(p, TINY) for p in x)
 
 

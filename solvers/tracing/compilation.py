@@ -17,8 +17,9 @@ WITHOUT_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper":
 def checksum(folder: Path) -> int:
     """Checksum of the Python files in a folder and of the tracing compiler.
 
-    Numba's disk cache watches the file of a jitted function only, not those of the traced functions that it inlines. As a default
-    argument of the jitted function, the checksum is part of its signature: a change of any of the files compiles it anew.
+    Numba's disk cache watches the file of a jitted function only, not those of the traced functions that it inlines. As a part of
+    the name of the jitted function the checksum gives each version of the files an index of its own. This matters beyond old code: an
+    index refers to the classes of arguments, and numba fails to read it once one of them has moved.
 
     Parameters
     ----------

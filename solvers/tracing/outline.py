@@ -82,6 +82,8 @@ def _types(tree: Any) -> Any:
         return type(tree).__name__, *map(_types, tree)
     if isinstance(tree, Array):
         return str(tree.kind), len(tree.shape)
+    if tree is None:
+        return None
     if not isinstance(tree, Value):
         raise TypeError(f"an outlined function takes values of compiled code, not the number of Python {tree!r}")
     return str(tree.code.type)

@@ -1,0 +1,66 @@
+"""Baselines, stored studies and reports that commands work on."""
+
+import webbrowser
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mpmverify.errors import UsageError
+
+if TYPE_CHECKING:
+    from mpmverify.dataset.files import Results
+    from mpmverify.judgement.baseline import Baseline
+
+
+def shipped_baseline() -> Path:
+    """Path of the baseline that is installed with the studies."""
+    from mpmverify import studies
+
+    return studies.BASELINE
+
+
+def accepted(path: Path | None) -> "Baseline":
+    """Read the baseline of the regression gate: the one at `path`, or the shipped one.
+
+    Raises
+    ------
+    UsageError
+        If there is no file at `path`.
+    """
+    from mpmverify.judgement.baseline import read_baseline
+
+    if path and not path.exists():
+        raise UsageError(f"there is no baseline '{path}': make it with `mpmverify baseline accept`, or leave --baseline out")
+    return read_baseline(path or shipped_baseline())
+
+
+def stored(out: Path, names: Sequence[str]) -> list[Path]:
+    """Files of the named studies in a results folder, or of all its studies.
+
+    Raises
+    ------
+    UsageError
+        If a study has no file, or the folder has none at all.
+    """
+    from mpmverify.dataset.files import Results
+
+    results = Results(out)
+    paths = [results.study(name) for name in dict.fromkeys(names)] if names else results.studies()
+    for path in paths:
+        if not path.exists():
+            raise UsageError(f"no results of {path.stem!r} in '{out}': run `mpmverify run {path.stem} --out {out}` first")
+    if not paths:
+        raise UsageError(f"no results in '{out}': run `mpmverify run --out {out}` first")
+    return paths
+
+
+def show_report(results: "Results", *, fresh: bool = False, opened: bool = False) -> None:
+    """Render the report, print where it is, and open it in the browser when asked to."""
+    from mpmverify import reports
+
+    page = reports.render(results, fresh=fresh)
+    click.echo(f"Report: {page}")
+    if opened:
+        webbrowser.open(page.resolve().as_uri())
