@@ -18,7 +18,7 @@ Measure = tuple[str, str]
 
 @dataclass(frozen=True)
 class Level:
-    """One run of a series: h [m], dt [s], wall time in seconds [s]; `run` is the key of its run file."""
+    """One run of a series: `h` [m], `dt` [s], wall time `seconds` [s]; `run` is the key of the run file."""
 
     h: float
     dt: float

@@ -1,4 +1,4 @@
-"""Styles of curves: colour by solver, marker by family, dash by ladder; no two curves differ by colour alone."""
+"""Styles of curves: colour by solver, marker by family, dash by ladder."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ def styles(series: Sequence[Series]) -> list[Style]:
 def selection(series: Sequence[Series], measure: Measure | None, count: int = 6) -> set[int]:
     """Choose at most `count` series of a case that are drawn at first.
 
-    Each family has an equal share, spread over its solvers; the first ladder of a solver is preferred to the others.
+    The families have about equal shares, each spread over its solvers; the first ladder of a solver is preferred to the others.
     """
     families: dict[str, list[tuple[int, int]]] = {}
     seen: dict[str, int] = {}

@@ -94,8 +94,8 @@ class Session:
         if first.verdict != Verdict.PASS:  # verdicts on faults would mean nothing
             return SelfTest(self.tier, sites, (), (first,))
         # The random series use the processors that half of the unmodified runs leave idle.
-        with ProcessPoolExecutor(1, get_context("spawn")) as beside:
-            rates = self._rates(beside)
+        with ProcessPoolExecutor(1, get_context("spawn")) as executor:
+            rates = self._rates(executor)
             unmodified_runs = (first, *runs)
             known_rates = rates()
         progress("verdicts on random series", 1, 1)
@@ -104,7 +104,7 @@ class Session:
         rows = {fault.id: row for fault, row in self._planted(planted, keys, trials, progress)}
         return SelfTest(self.tier, sites, tuple(rows[fault.id] for fault in planted), unmodified_runs, known_rates)
 
-    def _rates(self, beside: ProcessPoolExecutor) -> Callable[[], Rates]:
+    def _rates(self, executor: ProcessPoolExecutor) -> Callable[[], Rates]:
         """Measure in another process how often the judge is right about random series; the returned function waits for the rates."""
         count = RANDOM_SERIES[self.tier]
         path = self._path(digest(count, SEED, code=("mpmverify.convergence.synthetic",)))
@@ -113,7 +113,7 @@ class Session:
             known = Rates(**{name: tuple(Rate(**row) for row in rows) for name, rows in stored.items()})
         except (OSError, ValueError, TypeError, AttributeError):
             measures = ((measure, count), (measure_designs, count // 90), (measure_limits, count // 4))
-            futures = [beside.submit(by, number, SEED) for by, number in measures]
+            futures = [executor.submit(by, number, SEED) for by, number in measures]
 
             def measured() -> Rates:
                 rates = Rates(*(tuple(future.result()) for future in futures))
