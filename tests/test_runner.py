@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from faulty_solvers import MISDEEDS, SECOND_ORDER, Scripted, ladder, plan, study
+from faulty_solvers import BEHAVIOURS, SECOND_ORDER, Scripted, ladder, plan, study
 from stored_studies import findings
 
 from mpmverify.convergence.verdict import Verdict
@@ -211,7 +211,7 @@ FINISHED = {"nan", "nan-weight", "nan-history", "unstable", "unstable-at-once"}
 
 
 def test_every_scripted_failure_is_tested():
-    assert REASONS.keys() | {"good", "dies", "hangs", "dawdles"} == MISDEEDS.keys()
+    assert REASONS.keys() | {"good", "dies", "hangs", "dawdles"} == BEHAVIOURS.keys()
 
 
 @pytest.fixture(scope="module")
@@ -260,7 +260,7 @@ def test_a_failure_on_every_level_is_an_error(tmp_path):
 def test_a_repeated_run_that_succeeds_is_stored(tmp_path, monkeypatch):
     declared = study(Scripted("raises", below=0.04))
     assert Verdict.ERROR in verdicts(judged_once(declared, tmp_path))
-    monkeypatch.setattr("faulty_solvers.MISDEEDS", {"raises": lambda s: s})
+    monkeypatch.setattr("faulty_solvers.BEHAVIOURS", {"raises": lambda s: s})
     again = judged_once(declared, tmp_path)
     assert (again.solved, again.reused) == (1, LEVELS - 1)
     assert verdicts(again) == [Verdict.PASS, Verdict.PASS]
@@ -281,7 +281,7 @@ def test_a_usage_error_is_raised_and_finished_runs_are_kept(tmp_path, monkeypatc
     def refuse(_):
         raise UsageError("solver 'scripted-raises' cannot solve this")
 
-    monkeypatch.setattr("faulty_solvers.MISDEEDS", {"raises": refuse})
+    monkeypatch.setattr("faulty_solvers.BEHAVIOURS", {"raises": refuse})
     declared = study(Scripted("raises", below=0.04))
     with pytest.raises(UsageError, match="cannot solve this"):
         judged_once(declared, tmp_path)

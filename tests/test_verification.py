@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from faulty_solvers import MISDEEDS, Scripted, ladder, plan, study, transported
+from faulty_solvers import BEHAVIOURS, Scripted, ladder, plan, study, transported
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -171,7 +171,7 @@ def test_a_measured_order_that_differs_from_the_declared_one_fails(claimed):
     assert [finding.verdict for finding in found] == [Verdict.FAIL, Verdict.PASS]
 
 
-@pytest.mark.parametrize("behaviour", sorted(MISDEEDS.keys() - {"good", "dies", "hangs", "dawdles"}))
+@pytest.mark.parametrize("behaviour", sorted(BEHAVIOURS.keys() - {"good", "dies", "hangs", "dawdles"}))
 def test_a_failed_run_is_an_error_with_its_outcome(behaviour):
     found = verify(Scripted(behaviour), HILL)
     assert [finding.verdict for finding in found] == [Verdict.ERROR] * 2
@@ -232,7 +232,7 @@ def test_verify_reuses_no_earlier_run():
 
     class Rebuilt(Plain):
         def solve(self, problem, discretisation):
-            return MISDEEDS[behaviour[0]](super().solve(problem, discretisation))
+            return BEHAVIOURS[behaviour[0]](super().solve(problem, discretisation))
 
     assert set(verdicts(Rebuilt()).values()) == {Verdict.PASS}
     behaviour[0] = "nan"
