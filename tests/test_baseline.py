@@ -14,7 +14,7 @@ from mpmverify.criteria import Order
 from mpmverify.criteria.evidence import Evidence
 from mpmverify.criteria.norms import NORMS
 from mpmverify.errors import ResultsError
-from mpmverify.judgement.baseline import RELATIVE, Baseline, identified, read_baseline
+from mpmverify.judgement.baseline import RELATIVE, Baseline, norms_by_level, read_baseline
 from mpmverify.judgement.findings import judge_criterion
 
 LIGHT = settings(max_examples=25)
@@ -45,7 +45,7 @@ def with_error(value, level=2, norm=1, quantity="v", source=None) -> Evidence:
 
 def accepted(of: Evidence | None = None, path="unused") -> Baseline:
     baseline = Baseline(path, {}, [dict(ACCEPTED)])
-    baseline.updated(*SERIES, evidence() if of is None else of)
+    baseline.accept_series(*SERIES, evidence() if of is None else of)
     return baseline
 
 
@@ -174,9 +174,9 @@ def test_the_baseline_of_another_series_is_none(other):
 )
 def test_series_of_the_baseline_that_were_not_run_are_one_verdict(run, restricted_to, said):
     baseline = accepted()
-    baseline.updated("bar", "zz", "step", "nu_C=0.5", evidence())
-    baseline.updated("another", "tg", "step", "nu_C=0.5", evidence())
-    found = baseline.lacking("bar", run, restricted_to)
+    baseline.accept_series("bar", "zz", "step", "nu_C=0.5", evidence())
+    baseline.accept_series("another", "tg", "step", "nu_C=0.5", evidence())
+    found = baseline.missing_series("bar", run, restricted_to)
     if not said:
         assert found is None
         return
@@ -184,7 +184,7 @@ def test_series_of_the_baseline_that_were_not_run_are_one_verdict(run, restricte
     assert found.reason.startswith(f"in the baseline, but not in the results {said}")
     assert ("gone for good" in found.reason) == (not restricted_to), "what was left out on purpose is not gone"
     assert (found.case, found.solver, found.refinement) not in run
-    assert baseline.lacking("unknown", run, restricted_to) is None
+    assert baseline.missing_series("unknown", run, restricted_to) is None
 
 
 def test_a_loss_is_a_loss_whatever_is_missing_beside_it():
@@ -205,14 +205,14 @@ def test_nothing_to_compare_is_no_pass(nothing):
 def test_a_level_is_known_by_all_that_discretises_it(column):
     seen = evidence()
     other = dataclasses.replace(seen, **{column: getattr(seen, column) * 3})
-    assert not {name for name, _ in identified(seen)} & {name for name, _ in identified(other)}
+    assert not {name for name, _ in norms_by_level(seen)} & {name for name, _ in norms_by_level(other)}
 
 
 def test_a_level_is_known_by_the_jitter_and_the_seed_of_its_particles_where_there_is_any():
     seen = evidence()
     none, one = np.zeros(len(seen.h)), np.ones(len(seen.h), dtype=int)
     names = [
-        tuple(name for name, _ in identified(dataclasses.replace(seen, jitter=jitter, seed=seed)))
+        tuple(name for name, _ in norms_by_level(dataclasses.replace(seen, jitter=jitter, seed=seed)))
         for jitter, seed in ((None, None), (none, 0 * one), (none + 1e-3, one), (none + 1e-3, 2 * one), (none + 2e-3, one))
     ]
     assert names[0] == names[1]
@@ -240,8 +240,8 @@ def test_judging_changes_no_baseline():
 
 def test_accepting_one_series_leaves_the_others_and_its_other_levels():
     baseline = accepted()
-    baseline.updated(*SERIES[:3], "nu_C=0.9", evidence(7))
-    baseline.updated(*SERIES, evidence(3, h=H[:1]))
+    baseline.accept_series(*SERIES[:3], "nu_C=0.9", evidence(7))
+    baseline.accept_series(*SERIES, evidence(3, h=H[:1]))
     assert baseline.judge(*SERIES[:3], "nu_C=0.9", evidence(7))[0] is Verdict.PASS
     found, reason = baseline.judge(*SERIES, evidence(3))
     assert found is Verdict.FAIL

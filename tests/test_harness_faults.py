@@ -208,7 +208,7 @@ def a_baseline_is_not_what_it_judges(b: ModuleType) -> None:
     where = ("study", "solver", "case", "ladder")
     baseline = b.Baseline(Path("unused"))
     assert baseline.judge(*where, evidence(stored, H))[0] == "INCONCLUSIVE"
-    baseline.updated(*where, evidence(stored, H))
+    baseline.accept_series(*where, evidence(stored, H))
     assert baseline.judge(*where, evidence(stored, H))[0] == "PASS"
     assert baseline.judge(*where, evidence(stored, 1.02 * H))[0] == "FAIL"
     assert baseline.judge(*where, evidence(stored, 1.02 * H))[0] == "FAIL", "judging accepts nothing"

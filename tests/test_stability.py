@@ -203,7 +203,7 @@ def test_the_measured_limit_is_judged_either_way(measured, courant, verdict):
 
 
 def test_a_scheme_without_a_known_limit_is_refused():
-    with pytest.raises(UsageError, match="limit of stability of 'mine' is unknown"):
+    with pytest.raises(UsageError, match="stability limit of 'mine' is unknown"):
         StabilityLimit("mine", 0.01, "theory")
 
 

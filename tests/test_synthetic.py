@@ -8,9 +8,9 @@ import pytest
 from click.testing import CliRunner
 
 from mpmverify.convergence import ROUND_OFF, pairwise_orders
-from mpmverify.convergence.synthetic import KINDS, Rate, Truth, measure, measure_limits, rates, specimen, total
+from mpmverify.convergence.synthetic import KINDS, Rate, Truth, draw_series, measure, measure_limits, rates, total
 from mpmverify.convergence.synthetic.__main__ import main
-from mpmverify.convergence.synthetic.laws import MARGIN, Setting
+from mpmverify.convergence.synthetic.laws import MARGIN, LawInputs
 from mpmverify.convergence.verdict import Verdict
 
 EACH = 200
@@ -28,7 +28,7 @@ def orders_at_the_finest(kind, count=200):
     generator = np.random.default_rng(0)
     x = 1.0001 ** np.arange(4.0)[::-1]
     for low in generator.uniform(0.3, 4, count):
-        setting = Setting(generator, x, low, low + 0.5)
+        setting = LawInputs(generator, x, low, low + 0.5)
         yield setting, pairwise_orders(x, kind.law(setting))[-1]
 
 
@@ -46,7 +46,7 @@ def test_the_order_of_a_power_law_inside_lies_in_the_inner_half_of_the_band(name
 
 def drawn(name, count=200):
     generator = np.random.default_rng(1)
-    return [specimen(KINDS[name], generator) for _ in range(count)]
+    return [draw_series(KINDS[name], generator) for _ in range(count)]
 
 
 @pytest.mark.parametrize("name", of(Truth.UNDECIDABLE))

@@ -1,4 +1,4 @@
-"""Error series in a CSV file, one level a line."""
+"""Error series in a CSV file, with one level in each line."""
 
 import csv
 import io
@@ -16,14 +16,15 @@ DELIMITERS = ",;\t"
 
 @dataclass(frozen=True)
 class Table:
-    """Cells of a CSV file by named columns.
+    """Content of a CSV file with named columns.
 
     Parameters
     ----------
     path : Path
     names : tuple of str
+        Names of the columns.
     rows : tuple of (int, tuple of str)
-        Line number in the file, and the cells.
+        Line number in the file and the cells of each row.
     """
 
     path: Path
@@ -31,17 +32,17 @@ class Table:
     rows: tuple[tuple[int, tuple[str, ...]], ...]
 
     def numbers(self, name: str) -> Array:
-        """One column (n,).
+        """Return one column as numbers (n,).
 
         Parameters
         ----------
         name : str
-            Its name.
+            Name of the column.
 
         Raises
         ------
         UsageError
-            If there is no such column, or a cell of it is no number; "nan" and "inf" are numbers.
+            If there is no such column, or a cell in it is not a number; "nan" and "inf" are numbers.
         """
         if name not in self.names:
             raise UsageError(f"'{self.path}' has no column {name!r}: choose from {', '.join(self.names)}")
@@ -55,19 +56,21 @@ class Table:
 
 
 def read_table(path: Path) -> Table:
-    """Read a CSV file whose first line names the columns, which commas, semicolons or tabs separate; empty lines are skipped.
+    """Read a CSV file whose first line names the columns.
+
+    Columns are separated by commas, semicolons or tabs. Empty lines are skipped.
 
     Parameters
     ----------
     path : Path
-        A text in UTF-8.
+        A text file in UTF-8.
 
     Raises
     ------
     ResultsError
-        If the file cannot be read, or is no text.
+        If the file cannot be read or is not text.
     UsageError
-        If it has no line of names or no level, a name is missing or stands twice, or a line has another number of cells.
+        If the file has no line of names or no level, a name is missing or occurs twice, or a line has another number of cells.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
@@ -108,4 +111,4 @@ def _is_number(cell: str) -> bool:
         float(cell)
     except ValueError:
         return False
-    return "_" not in cell  # 1_000 is a number to Python alone
+    return "_" not in cell  # Python reads 1_000 as a number, but spreadsheets do not
