@@ -42,7 +42,7 @@ def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
     coarse_first = np.argsort(-h)
     h, value = h[coarse_first], value[coarse_first]
     for size in h[:-1][np.abs(np.diff(h)) <= SAME * h[:-1]]:
-        raise UsageError(f"h={size:g} is given twice: every level needs a size of its own")
+        raise UsageError(f"h={size:g} is given twice: every level needs a different size")
     return h, value
 
 

@@ -46,7 +46,7 @@ class Reference:
         if not self.size > 0:
             return f"not qualified: a size of {self.size:g} has no relative uncertainty"
         if found.behaviour is Behaviour.MONOTONE:
-            return f"not qualified: order {found.order:.2f} is that of nothing that converges"
+            return f"not qualified: order {found.order:.2f} does not show convergence"
         return f"not qualified: its finest levels are {found.behaviour}" + (
             "; three are needed" if found.behaviour is Behaviour.TOO_SHORT else ""
         )

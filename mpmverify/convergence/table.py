@@ -50,7 +50,7 @@ class Table:
         for line, cells in self.rows:
             if not _is_number(cells[column]):
                 raise UsageError(
-                    f"'{self.path}', line {line}: {cells[column]!r} in column {name!r} is no number; leave the column out, or mend it"
+                    f"'{self.path}', line {line}: {cells[column]!r} in column {name!r} is not a number: remove the column, or correct it"
                 )
         return np.array([float(cells[column]) for _, cells in self.rows])
 
@@ -77,7 +77,7 @@ def read_table(path: Path) -> Table:
     except OSError as error:
         raise ResultsError(f"cannot read '{path}' ({error.strerror}): choose another file") from error
     except UnicodeDecodeError as error:
-        raise ResultsError(f"'{path}' is no text: give a CSV file with a column h and one of errors") from error
+        raise ResultsError(f"'{path}' is not text: give a CSV file with a column h and a column of errors") from error
     first = text.lstrip().partition("\n")[0]
     delimiter = max(DELIMITERS, key=first.count)
     try:
@@ -93,15 +93,15 @@ def read_table(path: Path) -> Table:
             named = f"{len(names)} column{'s are' if len(names) != 1 else ' is'} named"
             raise UsageError(f"'{path}', line {line} has {found} where {named}: the first line must name every column")
     if len(lines) < 2:
-        raise UsageError(f"'{path}' has no level below its line of names")
+        raise UsageError(f"'{path}' has no level below the line of column names: add one line for each level")
     return Table(path, names, tuple(lines[1:]))
 
 
 def _check_names(path: Path, names: Sequence[str]) -> None:
     if not names:
-        raise UsageError(f"'{path}' is empty: give a CSV file with a column h and one of errors")
+        raise UsageError(f"'{path}' is empty: give a CSV file with a column h and a column of errors")
     if any(_is_number(name) for name in names):
-        raise UsageError(f"'{path}' must name its columns in the first line, such as h,error, and not begin with numbers")
+        raise UsageError(f"'{path}' begins with numbers: name the columns in the first line, such as h,error")
     if "" in names or len(set(names)) < len(names):
         raise UsageError(f"'{path}' must name every column in the first line, and each name once")
 

@@ -35,7 +35,7 @@ def exit_status(verdicts: Sequence[Verdict], *, strict: bool = False) -> int:
     Returns
     -------
     int
-        0 if all pass, 1 if one fails, 3 if one is an ERROR or nothing was judged, 4 if the worst is INCONCLUSIVE and `strict` is set.
+        By the worst verdict: 0 for PASS, 1 for FAIL, 3 for ERROR or without any verdict; for INCONCLUSIVE 4 with `strict`, else 0.
     """
     verdict = worst(verdicts) if verdicts else Verdict.ERROR
     if verdict is Verdict.INCONCLUSIVE:

@@ -31,7 +31,7 @@ class Criterion(Protocol):
         """Short description of what is judged."""
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        """Measure on one solution what the judgement needs beside error norms: numbers by name."""
+        """Return the numbers that the judgement needs from a solution, in addition to its error norms, by name."""
 
     def judge(self, evidence: Evidence) -> Judgement:
         """Return the verdict on the runs of a series, with the reason in one sentence."""

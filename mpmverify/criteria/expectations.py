@@ -81,19 +81,21 @@ def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterio
     for quantity, order in solver.orders.items():
         if quantity not in UNITS:
             raise UsageError(
-                f"solver {solver.name!r} declares the order of an unknown {quantity!r}: known are {', '.join(UNITS)}"
+                f"solver {solver.name!r} declares the order of the unknown quantity {quantity!r}: choose from {', '.join(UNITS)}"
             )
         if not isinstance(order, Real) or isinstance(order, bool | np.bool_) or not (math.isfinite(order) and order > 0):
             raise UsageError(
-                f"solver {solver.name!r} declares the order {order!r} of {quantity}: an order is positive and finite"
+                f"solver {solver.name!r} declares the order {order!r} of {quantity}: an order must be positive and finite"
             )
     if unknown := sorted(set(solver.conserves) - set(INVARIANTS), key=str):
-        raise UsageError(f"solver {solver.name!r} conserves an unknown {unknown[0]!r}: known are {', '.join(INVARIANTS)}")
+        raise UsageError(
+            f"solver {solver.name!r} declares that it conserves the unknown {unknown[0]!r}: choose from {', '.join(INVARIANTS)}"
+        )
     declared = {quantity: order for quantity, order in solver.orders.items() if quantity in problem.exact.fields}
     if not declared:
         raise UsageError(
-            f"solver {solver.name!r} declares no order of {' or '.join(problem.exact.fields)}, so that nothing can be expected of "
-            f"it on {problem.problem.name!r}: declare its orders, or give criteria"
+            f"solver {solver.name!r} declares no order of {' or '.join(problem.exact.fields)}, the fields of the problem "
+            f"{problem.problem.name!r}: declare an order, or give criteria"
         )
     return (
         *(_order(quantity, order, problem) for quantity, order in declared.items()),

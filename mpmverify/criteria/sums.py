@@ -25,7 +25,7 @@ OBSTACLES: Mapping[str, str] = {
     "velocity": "the solver does not return the velocity",
     "stress": "the solver does not return the stress",
     "u": "the solver does not return u",
-    "law": "the fields of this material do not tell it: take it out of the stocks",
+    "law": "it cannot be computed from the fields of this material: remove it from the stocks",
     "instants": "an output time is not among the times of the histories",
     "motion": "history and fields are zero throughout",
 }
