@@ -67,7 +67,7 @@ def trust_page(test: SelfTest, file: str, facts: Sequence[tuple[str, str]], page
             )
             for run in test.runs
         ),
-        alarms=f"{len(test.alarms)} of {len(test.runs)} runs of the unmodified solvers raised a false alarm.",
+        alarms=f"{len(test.false_alarms)} of {len(test.runs)} runs of the unmodified solvers raised a false alarm.",
         judge=_judge(test.rates.series),
         rates=tuple(
             RateTable(caption, tuple(_rate(rate) for rate in rates))

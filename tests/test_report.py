@@ -411,7 +411,7 @@ def test_every_planted_fault_and_every_false_alarm_is_shown(stored: tuple[Result
     shown = " ".join(pages(stored[0])["trust.html"].text)
     for fault in FAULTS:
         assert all(part in shown for part in (fault.name, fault.before, fault.after, fault.fate.value, fault.reason))
-    assert SELF_TEST.alarms[0].reason in shown
+    assert SELF_TEST.false_alarms[0].reason in shown
     assert "6 of 8" in shown
     assert "How far to trust this" in " ".join(pages(stored[0])["index.html"].text)
 

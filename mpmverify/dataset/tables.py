@@ -12,7 +12,7 @@ from mpmverify.dataset.findings import read_findings
 from mpmverify.dataset.fits import read_orders
 from mpmverify.dataset.levels import read_levels
 from mpmverify.dataset.study import damage, read_tree, solvers
-from mpmverify.judgement.baseline import identified
+from mpmverify.judgement.baseline import norms_by_level
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.tables import PROVENANCE, Order, Run, SeriesKey, Tables
 
@@ -53,7 +53,7 @@ def _tables(tree: xr.DataTree) -> Tables:
         for level in levels:
             series = SeriesKey(study, *level.series)
             seen = evidence_of([level])  # alone: what one level lacks is no evidence of its series
-            ((name, values),) = identified(seen)
+            ((name, values),) = norms_by_level(seen)
             names.setdefault(level.series, set()).add(name)
             runs[series, name] = Run(level.outcome, level.steps, level.point_steps, level.seconds)
             for measure, error in values.items():
