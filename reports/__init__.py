@@ -1,9 +1,9 @@
-"""The report: pages made from stored results alone, opened by double-click, without a network.
+"""The report: HTML pages made from stored results only; they open from disk, without a network.
 
 Notes
 -----
-A page is rendered when its study, the sources of the report or the page itself changed. Finding that nothing changed
-reads no dataset: it costs one look at each file's size and time.
+A page is rendered if it is missing, or if its study file or the code of the report has changed. Changes are detected from the size
+and modification time of each file, without reading a dataset.
 """
 
 from pathlib import Path
@@ -16,23 +16,23 @@ __all__ = ["render"]
 
 
 def render(results: Results, *, fresh: bool = False) -> Path:
-    """Write the report of a results folder, what has changed alone.
+    """Write the report of a results folder; pages that are up to date are not rendered again.
 
     Parameters
     ----------
     results : Results
     fresh : bool
-        Render every page, whether it changed or not.
+        Render every page, even if it is up to date.
 
     Returns
     -------
     Path
-        The index page.
+        Path of the index page.
 
     Raises
     ------
     ResultsError
-        If a file among the results is not ours, or a page cannot be written.
+        If a results file is foreign or damaged, or a page cannot be written.
     """
     manifest = Manifest.of(results)
     known = Manifest() if fresh else Manifest.read(results)

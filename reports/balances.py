@@ -1,4 +1,4 @@
-"""Energy, momentum and mass over the course of a run: what is kept, and how far it is from being kept."""
+"""Balances of energy, momentum and mass during a run: their histories and defects."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -6,20 +6,20 @@ from dataclasses import dataclass
 from .record import Array, Series
 
 BALANCES = (*((f"momentum{of}", f"impulse{of}") for of in ("", "_x", "_y", "_z")), ("mass", "inflow"))
-"""(stock, what may change it)."""
+"""Pairs of a conserved quantity and the history of its supply: momentum and impulse, mass and inflow."""
 
 
 @dataclass(frozen=True)
 class Balance:
-    """Histories that belong on one pair of axes, all in one unit.
+    """Histories that share one chart and one unit.
 
     Parameters
     ----------
     title : str
     quantity, units : str
-        Of the vertical axis.
+        Label and unit of the vertical axis.
     curves : mapping of str to Array
-        (N,) by name.
+        Histories (N,) by name.
     """
 
     title: str
@@ -29,7 +29,7 @@ class Balance:
 
 
 def balances(series: Series) -> Iterator[Balance]:
-    """Balances of the shown level of a series, as far as its solver recorded them."""
+    """Yield the balances of the shown level of a series for which its solver recorded histories."""
     history, units = series.histories, series.history_units
     if {"kinetic_energy", "strain_energy"} <= history.keys():
         energy = history["kinetic_energy"] + history["strain_energy"]

@@ -1,4 +1,4 @@
-"""Figures as plain dictionaries for plotly.js; colours are the names of custom properties of the style sheet."""
+"""Figures as dictionaries for plotly.js; colours refer to custom properties of the style sheet."""
 
 import base64
 import math
@@ -17,21 +17,24 @@ from .styles import COLOURS, DASHES, Style
 Figure = dict[str, Any]
 
 POINTS, OUTPUTS = 160, 33
-"""Most points and output times of a profile in a page."""
+"""Largest numbers of points and output times that a page stores of a profile."""
 BUDGET = 1_500_000
-"""Values of all profiles of a page: at two bytes each, in base64, twice (field and error), 4 MB of text at most."""
+"""Number of profile values of a page beyond which fewer output times are stored.
+
+Field and error take two bytes for each value, in base64: the profiles of a page are at most 4 MB of text.
+"""
 INK, MUTED, GRID = "var(--ink)", "var(--muted)", "var(--grid)"
 SEQUENTIAL = [[0, "#0b1f4b"], [0.25, "#23558c"], [0.5, "#3f8f9e"], [0.75, "#8cc59a"], [1, "#f4efb6"]]
 DIVERGING = [[0, "#1b4f8f"], [0.25, "#6fa3cf"], [0.5, "var(--neutral)"], [0.75, "#e08a5f"], [1, "#a3341c"]]
 
 
 def sig(value: float, digits: int = 5) -> float | None:
-    """Round to significant digits; None, which JSON can write, for what is not finite."""
+    """Round to significant digits; return None for a non-finite value, which JSON cannot hold."""
     return float(f"{value:.{digits}g}") if math.isfinite(value) else None
 
 
 def packed(values: Array) -> dict[str, Any]:
-    """Values in 16 bits between their least and greatest, base64: `low + (k + 32767) scale`, and -32768 where not finite."""
+    """Encode values as 16-bit integers k in base64: `low + (k + 32767) scale`; k = -32768 stands for a non-finite value."""
     finite = np.isfinite(values)
     low, high = (float(values[finite].min()), float(values[finite].max())) if finite.any() else (0.0, 0.0)
     scale = (high - low) / 65534 or 1.0
@@ -40,7 +43,7 @@ def packed(values: Array) -> dict[str, Any]:
 
 
 def floats(values: Array) -> dict[str, str]:
-    """Values in single precision as plotly.js reads them."""
+    """Encode values in single precision, as plotly.js reads them."""
     return {"dtype": "f4", "bdata": base64.b64encode(np.asarray(values).astype("<f4").tobytes()).decode()}
 
 
@@ -65,20 +68,22 @@ def key(measure: Measure) -> str:
     return "|".join(measure)
 
 
-def convergence(series: Sequence[Series], looks: Sequence[Style], measures: Sequence[Measure]) -> Figure:
-    """Error of every ladder against the size that it refines, in every quantity and norm; the page shows one of these at a time.
+def convergence(series: Sequence[Series], curve_styles: Sequence[Style], measures: Sequence[Measure]) -> Figure:
+    """Chart the error of each series against the size that it refines, in every measure; the page shows one measure at a time.
 
-    A trace's `meta` says which measure and which series it belongs to; reference slopes and accepted bands are `of` several. There
-    is one abscissa for each size that a ladder of the case refines; they share the ordinate.
+    Notes
+    -----
+    The `meta` of a trace holds its measure and the number of its series; that of a reference slope or an accepted band holds
+    `members`, the numbers of several series. Each refined size has its own horizontal axis; all share the vertical axis.
     """
     axes = list(dict.fromkeys(entry.axis for entry in series if entry.axis))
     data = [
         trace for measure in measures for name in axes for trace in _references(series, measure, name, _abscissa(axes, name))
     ]
-    for k, (entry, look) in enumerate(zip(series, looks, strict=True)):
+    for k, (entry, style) in enumerate(zip(series, curve_styles, strict=True)):
         for measure, estimate in entry.estimates.items():
             if entry.axis:
-                data.append(_errors(k, entry, look, measure, estimate) | {"xaxis": _abscissa(axes, entry.axis)})
+                data.append(_errors(k, entry, style, measure, estimate) | {"xaxis": _abscissa(axes, entry.axis)})
     titles = {key(measure): f"relative error of {measure[0]}, {NORM_NAMES.get(measure[1], measure[1])}" for measure in measures}
     shape = layout(
         yaxis=axis(type="log", dtick=1),
@@ -90,12 +95,12 @@ def convergence(series: Sequence[Series], looks: Sequence[Style], measures: Sequ
 
 
 def _abscissa(axes: Sequence[str], name: str) -> str:
-    """Name of plotly's axis for a size."""
+    """Return plotly's name of the horizontal axis of a size: "x", "x2" and so on."""
     return "x" if axes.index(name) == 0 else f"x{axes.index(name) + 1}"
 
 
 def _sizes(series: Sequence[Series], axes: Sequence[str], name: str) -> Figure:
-    """Abscissa of one size, beside those of the others."""
+    """Return the horizontal axis of one size, beside those of the other sizes."""
     sizes = sorted({size for entry in series if entry.axis == name for size in entry.sizes if math.isfinite(size)})
     few = len(sizes) <= 10
     ticks = {"tickvals": [sig(size) for size in sizes], "ticktext": [cell_size(size) for size in sizes]} if few else {}
@@ -104,7 +109,7 @@ def _sizes(series: Sequence[Series], axes: Sequence[str], name: str) -> Figure:
     return axis(in_unit(name, AXIS_UNITS[name]), type="log", domain=domain, **ticks)
 
 
-def _errors(k: int, entry: Series, look: Style, measure: Measure, estimate: Estimate) -> Figure:
+def _errors(k: int, entry: Series, style: Style, measure: Measure, estimate: Estimate) -> Figure:
     name = f"{entry.solver}, {ladder(entry.refinement)}"
     notes = [
         f"{name}<br>{_value(entry.axis, size)}, error {number(error)}<br>order from the coarser level {order(pair)}"
@@ -119,24 +124,24 @@ def _errors(k: int, entry: Series, look: Style, measure: Measure, estimate: Esti
         "y": [sig(error) if error > 0 else None for error in estimate.error],
         "text": notes,
         "hovertemplate": "%{text}<extra></extra>",
-        "line": {"color": look.paint, "dash": look.dash, "width": 1.8},
+        "line": {"color": style.paint, "dash": style.dash, "width": 1.8},
         "marker": {
-            "color": look.paint,
+            "color": style.paint,
             "size": 8,
-            "line": {"width": 1.5, "color": look.paint},
-            "symbol": [look.symbol if kept else f"{look.symbol}-open" for kept in estimate.kept],
+            "line": {"width": 1.5, "color": style.paint},
+            "symbol": [style.symbol if kept else f"{style.symbol}-open" for kept in estimate.kept],
         },
         "meta": {"measure": key(measure), "series": k, "order": order(estimate.order)},
     }
 
 
 def _value(name: str, size: float) -> str:
-    """Return a size with its name and unit: "h = 1/64 m"."""
+    """Format a size with its name and unit: "h = 1/64 m"."""
     return f"{name} = {cell_size(size)} {unit(AXIS_UNITS[name])}".rstrip()
 
 
 def _references(series: Sequence[Series], measure: Measure, size: str, abscissa: str) -> Iterator[Figure]:
-    """Accepted bands as wedges, formal orders as dashed lines where no band is declared; each starts below the errors it is of."""
+    """Yield accepted bands as wedges, and formal orders as dashed lines where no band is declared, each below the errors of its series."""
     bands: dict[tuple[float, float], list[int]] = {}
     slopes: dict[float, list[int]] = {}
     for k, entry in enumerate(series):
@@ -145,8 +150,8 @@ def _references(series: Sequence[Series], measure: Measure, size: str, abscissa:
                 bands.setdefault(entry.bands[measure], []).append(k)
             elif size == "h" and measure[0] in entry.formal:
                 slopes.setdefault(float(entry.formal[measure[0]]), []).append(k)
-    for (low, high), of in sorted(bands.items()):
-        start = _start([series[k] for k in of], measure)
+    for (low, high), members in sorted(bands.items()):
+        start = _start([series[k] for k in members], measure)
         if start:
             coarse, fine, error = start
             yield {
@@ -161,10 +166,10 @@ def _references(series: Sequence[Series], measure: Measure, size: str, abscissa:
                 "fill": "toself",
                 "fillcolor": "var(--band)",
                 "xaxis": abscissa,
-                "meta": {"measure": key(measure), "of": of},
+                "meta": {"measure": key(measure), "members": members},
             }
-    for slope, of in sorted(slopes.items()):
-        start = _start([series[k] for k in of], measure)
+    for slope, members in sorted(slopes.items()):
+        start = _start([series[k] for k in members], measure)
         if start:
             coarse, fine, error = start
             yield {
@@ -179,12 +184,12 @@ def _references(series: Sequence[Series], measure: Measure, size: str, abscissa:
                 "cliponaxis": False,
                 "line": {"color": MUTED, "dash": "dash", "width": 1},
                 "xaxis": abscissa,
-                "meta": {"measure": key(measure), "of": of},
+                "meta": {"measure": key(measure), "members": members},
             }
 
 
 def _start(series: Sequence[Series], measure: Measure) -> tuple[float, float, float] | None:
-    """Largest and least size, and the error from which a reference starts; None where the errors leave nothing to refer to."""
+    """Return the largest and smallest size and the error at which a reference line starts; None if no error is usable."""
     sizes = [size for entry in series for size in entry.sizes]
     coarsest = [float(entry.estimates[measure].error[0]) for entry in series]
     usable = [error for error in coarsest if math.isfinite(error) and error > 1e-10]
@@ -194,7 +199,7 @@ def _start(series: Sequence[Series], measure: Measure) -> tuple[float, float, fl
 
 
 def waves(profile: Profile, outputs: int) -> Figure:
-    """Profiles of the shown level of one series: what the wave charts are filled with."""
+    """Return the data of the wave charts: profiles of the shown level of one series, at no more than `outputs` times."""
     rows = np.unique(np.round(np.linspace(0, len(profile.time) - 1, min(len(profile.time), outputs))).astype(int))
     every = math.ceil(len(profile.reference) / POINTS)
     fields = {}
@@ -207,13 +212,13 @@ def waves(profile: Profile, outputs: int) -> Figure:
 
 
 def outputs_within_budget(profiles: Sequence[Profile]) -> int:
-    """Output times that each profile of a page may have."""
+    """Return the number of output times that each profile of a page may have within the budget."""
     values = sum(field.size for profile in profiles for field in profile.fields.values())
     return OUTPUTS if values <= BUDGET else max(9, int(OUTPUTS * BUDGET / values))
 
 
 def wave_figures(units: dict[str, str]) -> dict[str, Figure]:
-    """Charts of a profile, by quantity, without data: the profile with its error, and both over space and time."""
+    """Return the charts of each quantity, without data: profile and error at one time, and both over space and time."""
     return {quantity: _wave_figures(quantity, unit) for quantity, unit in units.items()}
 
 
@@ -251,7 +256,7 @@ def _wave_figures(quantity: str, unit: str) -> Figure:
 
 
 def history_layout() -> Figure:
-    """Layout that the charts of the balances share; the vertical axis has its title from the balance."""
+    """Return the layout shared by the charts of the balances; each balance sets the title of its vertical axis."""
     return layout(
         xaxis=axis("t [s]"),
         yaxis=axis(),
@@ -261,7 +266,7 @@ def history_layout() -> Figure:
 
 
 def history(part: Balance) -> Figure:
-    """One small chart of a balance; the times, which all balances of a series share, are stored once."""
+    """Return the chart of a balance without its times, which are stored once for all balances of a series."""
     data = [
         {
             "type": "scatter",

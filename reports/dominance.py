@@ -1,4 +1,4 @@
-"""Which source of error dominates where: tables of the sources and maps over the planes of a design."""
+"""Sources of error: their table, and maps of the dominating source over the planes of a design."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -15,12 +15,12 @@ from .parts import SourceRow
 from .record import Array, Level, Measure, Series
 
 CELLS = 48
-"""Cells of a map along each side."""
+"""Number of cells along each side of a map."""
 DECADES = 2.0
-"""Ratio of two sources, as a power of ten, beyond which the colour stays."""
+"""Power of ten of the ratio of two sources at which the colour scale ends."""
 PLANES = (("h", "dt"), ("h", "ppc"))
 MARKERS = {"h": "circle", "dt": "square", "1/ppc": "diamond", "h/ppc": "diamond"}
-"""Marker of a run by the source that dominates it."""
+"""Marker of a run, by its dominating source."""
 
 
 @dataclass(frozen=True)
@@ -30,55 +30,55 @@ class Plane:
     Parameters
     ----------
     x, y : str
-        Axes: h, and dt or ppc.
-    across, up : Array
-        Their values (N,), (M,).
+        Sizes on the axes: h, and dt or ppc.
+    x_values, y_values : Array
+        Values on the axes (N,) and (M,).
     first, second : str
-        The sources.
+        Sizes of the two sources.
     ratio : Array
-        Log10 of the second over the first (M, N).
+        Log10 of the second source divided by the first (M, N).
     """
 
     x: str
     y: str
-    across: Array
-    up: Array
+    x_values: Array
+    y_values: Array
     first: str
     second: str
     ratio: Array
 
 
 def magnitude(source: Source, h: Array, dt: Array, ppc: Array) -> Array:
-    """Relative error of a source that is seen, over arrays of the same shape."""
+    """Return the relative error from a source that is seen; h [m], dt [s] and ppc are arrays of one shape."""
     sizes = {"h": h, "dt": dt, "1/ppc": 1 / ppc, "h/ppc": h / ppc}
     return np.asarray(source.amplitude * sizes[source.size] ** source.exponent, dtype=float)
 
 
 def planes(levels: Sequence[Level], separation: Separation) -> Iterator[Plane]:
-    """Planes in which two sources that are seen take turns."""
+    """Yield the planes of a design in which the sources on both axes are seen."""
     seen = {source.size: source for source in separation.sources if source.seen and source.size != REST}
     by_axis = {"h": seen.get("h"), "dt": seen.get("dt"), "ppc": seen.get("h/ppc") or seen.get("1/ppc")}
     for x, y in PLANES:
         first, second = by_axis[x], by_axis[y]
         if separation.obstacle or first is None or second is None:
             continue
-        across, up = (_span([getattr(level, name) for level in levels]) for name in (x, y))
-        h, other = np.meshgrid(across, up)
-        # The two sources of a plane do not depend on what is not on its axes.
+        x_values, y_values = (_span([getattr(level, name) for level in levels]) for name in (x, y))
+        h, other = np.meshgrid(x_values, y_values)
+        # The two sources depend only on the sizes on the axes: the third size may have any value.
         dt, ppc = (other, np.ones_like(h)) if y == "dt" else (np.ones_like(h), other)
         ratio = np.log10(magnitude(second, h, dt, ppc) / magnitude(first, h, dt, ppc))
-        yield Plane(x, y, across, up, first.size, second.size, ratio)
+        yield Plane(x, y, x_values, y_values, first.size, second.size, ratio)
 
 
 def _span(values: Sequence[float]) -> Array:
-    """Values between the ends of a design and a little beyond, evenly in their logarithm."""
+    """Return logarithmically spaced values over the range of a design, extended by 12 % of its logarithm at either end."""
     low, high = math.log(min(values)), math.log(max(values))
     room = 0.12 * (high - low)
     return np.exp(np.linspace(low - room, high + room, CELLS))
 
 
 def maps(series: Sequence[Series]) -> list[Figure]:
-    """Dominance maps of the designs of a case, with their titles."""
+    """Return the dominance maps of the designs of a case, with their titles."""
     return [
         _map(entry, measure, separation, plane)
         for entry in series
@@ -88,7 +88,7 @@ def maps(series: Sequence[Series]) -> list[Figure]:
 
 
 def _map(entry: Series, measure: Measure, separation: Separation, plane: Plane) -> Figure:
-    grid = {"x": [sig(value) for value in plane.across], "y": [sig(value) for value in plane.up]}
+    grid = {"x": [sig(value) for value in plane.x_values], "y": [sig(value) for value in plane.y_values]}
     ratio = [[sig(value, 3) for value in row] for row in plane.ratio]
     powers = range(-int(DECADES), int(DECADES) + 1)
     heat = {
@@ -102,7 +102,7 @@ def _map(entry: Series, measure: Measure, separation: Separation, plane: Plane) 
             "thickness": 10,
             "outlinewidth": 0,
             "tickvals": list(powers),
-            "ticktext": [_odds(power, plane) for power in powers],
+            "ticktext": [_tick_label(power, plane) for power in powers],
             "tickfont": {"color": MUTED},
         },
     }
@@ -129,15 +129,15 @@ def _map(entry: Series, measure: Measure, separation: Separation, plane: Plane) 
     }
 
 
-def _odds(power: int, plane: Plane) -> str:
-    """Tell a tick of the colour bar in words."""
+def _tick_label(power: int, plane: Plane) -> str:
+    """Return the label of a tick of the colour bar, such as "dt ×10"."""
     if power == 0:
         return "equal"
     return f"{plane.second if power > 0 else plane.first} ×{10 ** abs(power)}"
 
 
 def _runs(entry: Series, measure: Measure, separation: Separation, plane: Plane) -> Figure:
-    """Runs of the design, marked by the source that dominates them."""
+    """Return the runs of the design, marked by their dominating source."""
     seen = [source for source in separation.sources if source.seen]
     h, dt, ppc = (np.array([getattr(level, name) for level in entry.levels], dtype=float) for name in ("h", "dt", "ppc"))
     parts = np.array([magnitude(source, h, dt, ppc) for source in seen])
@@ -171,7 +171,7 @@ def _error(measure: Measure) -> str:
 
 
 def source_rows(series: Sequence[Series]) -> tuple[SourceRow, ...]:
-    """Rows of the table of sources of a case."""
+    """Return the rows of the table of error sources of a case."""
     return tuple(
         row
         for entry in series
@@ -185,7 +185,7 @@ def _rows(entry: Series, measure: Measure, separation: Separation) -> Iterator[S
     if not separation.sources:
         yield SourceRow(*where, DASH, DASH, DASH, DASH, separation.obstacle)
     cosines = "".join(f", cos({one}, {other}) = {order(value)}" for (one, other), value in separation.cosine.items())
-    fit = separation.obstacle or f"off by {separation.residual:.1%}{cosines}"
+    fit = separation.obstacle or f"residual {separation.residual:.1%}{cosines}"
     for source in separation.sources:
         if not source.seen:
             yield SourceRow(*where, source.size, "not seen", DASH, DASH, fit)

@@ -15,16 +15,16 @@ ELEMENTS = re.compile(
 
 @cache
 def mathml(latex: str) -> str:
-    """Return LaTeX as MathML; as code, when it cannot be converted or would bring anything but formulae into the page.
+    """Convert LaTeX to MathML; return it as code if it cannot be converted or the result holds anything but formulas.
 
     Notes
     -----
-    The converter passes the content of a text command on as it is, markup included.
+    The converter copies the content of a text command unchanged, including any markup in it.
     """
     try:
         text = convert(latex, display="block")
         elements = ElementTree.fromstring(text).iter()
-    except Exception:  # the converter raises whatever its parser stumbles over
+    except Exception:  # the converter may raise any exception on invalid input
         return f"<code>{escape(latex)}</code>"
     for element in elements:
         known = ELEMENTS.fullmatch(element.tag.rpartition("}")[2])

@@ -1,4 +1,4 @@
-"""What the report was made from, so that what has not changed is not rendered again."""
+"""Manifest: the inputs that a report was made from, so that unchanged pages are not rendered again."""
 
 import hashlib
 import json
@@ -13,15 +13,15 @@ from mpmverify.dataset.files import Results
 from mpmverify.errors import ResultsError
 
 TRUST = "trust"
-"""Page of the self-test."""
+"""Name of the page of the self-test."""
 LIBRARIES = ("jinja2", "latex2mathml", "plotly")
 ROOMS = ("convergence", "criteria", "dataset", "judgement")
-"""Packages of the core that a page depends on, beside the report itself."""
+"""Packages of `mpmverify` on which the pages depend, in addition to the modules of the report."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """A study's file, which is only ever written anew: its size and its time tell whether it was."""
+    """State of an input file: size [bytes] and modification time [ns]. A file is always replaced whole, so these show every change."""
 
     size: int
     modified: int
@@ -29,16 +29,16 @@ class Source:
 
 @dataclass(frozen=True)
 class Manifest:
-    """Sources of a report.
+    """Inputs of a report.
 
     Parameters
     ----------
     code : str
-        Digest of everything that turns a dataset into a page.
+        Digest of the code, templates, assets and library versions that turn a dataset into a page.
     studies : mapping of str to Source
-        By the stem of the study's file.
+        Study files, by stem.
     selftest : Source, optional
-        None where there is no self-test.
+        File of the self-test, if there is one.
     """
 
     code: str = ""
@@ -47,7 +47,7 @@ class Manifest:
 
     @classmethod
     def read(cls, results: Results) -> "Manifest":
-        """Manifest of the report that was written last; empty when there is none, or none that can be read."""
+        """Read the manifest of the existing report; return an empty one if none can be read."""
         try:
             stored = json.loads(_path(results).read_text(encoding="utf-8"))
             studies = {name: Source(**entry) for name, entry in stored["studies"].items()}
@@ -57,38 +57,38 @@ class Manifest:
 
     @classmethod
     def of(cls, results: Results) -> "Manifest":
-        """Manifest of the report that the results ask for.
+        """Make the manifest of an up-to-date report of the results.
 
         Raises
         ------
         ResultsError
-            If a study would take the place of the index page or of the page on trust.
+            If a study has the name of the index page or of the trust page.
         """
         studies = {path.stem: _source(path) for path in results.studies()}
-        for taken, name in (("index", "the index page"), (TRUST, "the page on trust")):
+        for taken, name in (("index", "the index page"), (TRUST, "the trust page")):
             if taken in studies:
-                raise ResultsError(f"'{results.study(taken)}' would take the place of {name}: name the study otherwise")
+                raise ResultsError(f"'{results.study(taken)}' would overwrite {name} of the report: rename the study")
         return cls(_code(), studies, _source(results.selftest) if results.selftest.exists() else None)
 
     def describes(self, known: "Manifest", results: Results) -> bool:
-        """Whether the report at hand is the one that `self` asks for."""
+        """Whether the existing report, whose manifest is `known`, is up to date."""
         return self == known and not self.stale(known, results)
 
     def stale(self, known: "Manifest", results: Results) -> list[str]:
-        """Pages, by study or as "trust", that are missing or were made from something else."""
-        wanted, had = self.pages(), known.pages()
+        """Return the names of the pages that are missing or were made from other inputs: stems of studies, and "trust"."""
+        required, existing = self.pages(), known.pages()
         return [
             name
-            for name, source in wanted.items()
-            if self.code != known.code or had.get(name) != source or not page(results, name).exists()
+            for name, source in required.items()
+            if self.code != known.code or existing.get(name) != source or not page(results, name).exists()
         ]
 
     def pages(self) -> dict[str, Source]:
-        """What each page but the index is made from, by its name."""
+        """Return the input file of every page except the index, by page name."""
         return dict(self.studies) | ({TRUST: self.selftest} if self.selftest else {})
 
     def write(self, results: Results, known: "Manifest") -> None:
-        """Record this report, and remove the pages of studies that are gone."""
+        """Write the manifest, and remove pages whose input file no longer exists."""
         for name in known.pages().keys() - self.pages().keys():
             page(results, name).unlink(missing_ok=True)
         text = json.dumps(asdict(self), indent=1, sort_keys=True) + "\n"

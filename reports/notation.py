@@ -1,4 +1,4 @@
-"""Numbers, names and sentences as people read them: plain Unicode, no markup."""
+"""Format numbers, units and names for display, in Unicode without markup."""
 
 import math
 import re
@@ -10,7 +10,7 @@ NORM_NAMES = {"L1": "L₁", "L2": "L₂", "Linf": "L∞", "L2-max": "L₂, large
 
 
 def number(value: float, digits: int = 3) -> str:
-    """Return a number to some significant digits: 0.0123, 1.23×10⁻⁵, −4, and an en dash for what is not finite."""
+    """Format a number to `digits` significant digits: 0.0123, 1.23×10⁻⁵, −4; an en dash stands for a non-finite number."""
     if not math.isfinite(value):
         return DASH
     if value == 0:
@@ -23,62 +23,62 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def size(value: float) -> str:
-    """Return a time step or Courant number to four digits without trailing zeros."""
+    """Format a time step or Courant number to four digits without trailing zeros."""
     if not math.isfinite(value):
         return DASH
     text = f"{value:.4g}"
     return number(value, 4) if "e" in text else text.replace("-", MINUS)
 
 
-def plain(text: str) -> str:
-    """Return a text with the numbers in it as people write them: "1e-06" as 1×10⁻⁶."""
+def typeset_numbers(text: str) -> str:
+    """Replace the notation of the numbers in a text: "1e-06" becomes "1×10⁻⁶"."""
     powers = re.sub(r"(?<=\d)e([+-]\d+)\b", lambda found: f"×10{str(int(found[1])).translate(SUPERSCRIPT)}", text)
     return re.sub(r"(?<![\w.])-(?=\d)", MINUS, powers)
 
 
 def cell_size(value: float) -> str:
-    """Return a cell size as a fraction of the unit where it is one, "1/64", else to four digits."""
+    """Format a cell size as "1/64" if it is the inverse of an integer, else to four digits."""
     parts = 1 / value
     return f"1/{round(parts)}" if parts > 1.5 and abs(parts - round(parts)) < 1e-9 * parts else size(value)
 
 
 def order(value: float) -> str:
-    """Return an order of convergence to two decimals."""
+    """Format an order of convergence to two decimals."""
     return f"{round(value, 2) + 0.0:.2f}".replace("-", MINUS) if math.isfinite(value) else DASH
 
 
 def interval(low: float, high: float) -> str:
-    """Return "[1.98, 2.01]"; an en dash where the interval is not finite."""
+    """Format an interval as "[1.98, 2.01]"; an en dash stands for one that is not finite."""
     return f"[{order(low)}, {order(high)}]" if math.isfinite(low) and math.isfinite(high) else DASH
 
 
 def count(value: int) -> str:
-    """Return an integer with thin spaces between its thousands."""
+    """Format an integer with thin spaces as thousands separators."""
     return f"{value:,}".replace(",", "\u2009").replace("-", MINUS)
 
 
 def unit(text: str) -> str:
-    """Return a unit in UDUNITS spelling, "m s-1", as "m s⁻¹"; "" for a pure number."""
+    """Format a unit in UDUNITS notation: "m s-1" becomes "m s⁻¹", and "1" becomes ""."""
     return "" if text == "1" else re.sub(r"-?\d+", lambda found: found[0].translate(SUPERSCRIPT), text)
 
 
 def in_unit(name: str, units: str) -> str:
-    """Return "velocity [m s⁻¹]"."""
+    """Format a name with its unit: "velocity [m s⁻¹]"."""
     return f"{name} [{unit(units)}]" if unit(units) else name
 
 
 def ladder(label: str) -> str:
-    """Return a ladder's label in words: "Courant 0.5, 2 ppc"."""
+    """Format the label of a ladder: "nu_C=0.5, 2 ppc" becomes "Courant 0.5, 2 ppc"."""
     return label.replace(", nu_C ~ ", " ∝ ").replace("nu_C=", "Courant ").replace("h/h0", "h/h₀")
 
 
 def slug(name: str) -> str:
-    """Return a name as an anchor."""
+    """Convert a name to an HTML anchor."""
     return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-") or "x"
 
 
 def slugs(names: list[str]) -> dict[str, str]:
-    """Anchors of some names, no two the same."""
+    """Return a unique HTML anchor for each name."""
     table: dict[str, str] = {}
     for name in names:
         anchor, k = slug(name), 2

@@ -12,12 +12,15 @@ from .record import Estimate, Level, Measure, Series
 
 
 def measures(series: Sequence[Series]) -> list[Measure]:
-    """Quantities and norms that were measured on any of some series."""
+    """Return the measures (quantity, norm) that any of the series has."""
     return list(dict.fromkeys(measure for entry in series for measure in entry.estimates))
 
 
-def leading(series: Sequence[Series], shown: str) -> Measure | None:
-    """Return the measure that a reader sees first: one whose order is judged, of the shown quantity if there is one."""
+def first_measure(series: Sequence[Series], shown: str) -> Measure | None:
+    """Return the measure that a page shows first, or None if there is none.
+
+    The first of these that exists: a judged measure of the quantity `shown`, its L2 error, any judged measure, any measure.
+    """
     known = measures(series)
     judged = [measure for entry in series for measure in entry.bands if measure in known]
     ranked = sorted(judged, key=lambda measure: measure[0] != shown) if judged else known
@@ -28,14 +31,14 @@ def leading(series: Sequence[Series], shown: str) -> Measure | None:
 
 
 def order_tables(series: Sequence[Series], shown: Measure | None) -> tuple[OrderTable, ...]:
-    """One table for each measure and size that ladders refine; the page shows those of one measure at a time."""
+    """Return one table for each measure and refined size; the page shows the tables of one measure at a time."""
     axes = dict.fromkeys(entry.axis for entry in series if entry.axis)
-    ladders = {name: [entry for entry in series if entry.axis == name] for name in axes}
+    by_axis = {name: [entry for entry in series if entry.axis == name] for name in axes}
     return tuple(
-        _table(mine, name, measure, measure == shown)
+        _table(members, name, measure, measure == shown)
         for measure in measures(series)
-        for name, mine in ladders.items()
-        if measure in measures(mine)
+        for name, members in by_axis.items()
+        if measure in measures(members)
     )
 
 
@@ -48,7 +51,7 @@ def _table(series: Sequence[Series], axis: str, measure: Measure, shown: bool) -
         for entry in series
         if measure in entry.estimates and entry.estimates[measure].dropped
     ]
-    caption = f"Relative error of {quantity}, {NORM_NAMES.get(norm, norm)}; below it the observed order"
+    caption = f"Relative error of {quantity}, {NORM_NAMES.get(norm, norm)}, with the observed order below"
     columns = tuple(Fact(cell_size(size), in_unit(f"{size:g}", UNITS[axis])) for size in sizes)
     return OrderTable(key(measure), caption, shown, axis, columns, tuple(rows), tuple(dropped))
 
@@ -57,7 +60,7 @@ def _row(entry: Series, measure: Measure, sizes: Sequence[float]) -> OrderRow:
     estimate = entry.estimates.get(measure)
     cells = {size: _cell(k, level, estimate) for k, (size, level) in enumerate(zip(entry.sizes, entry.levels, strict=True))}
     band, formal = entry.bands.get(measure), entry.formal.get(measure[0]) if entry.axis == "h" else None
-    expected = interval(*band) if band else f"formally {formal:g}" if formal is not None else DASH
+    expected = interval(*band) if band else f"formal order {formal:g}" if formal is not None else DASH
     return OrderRow(
         solver=entry.solver,
         ladder=ladder(entry.refinement),

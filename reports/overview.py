@@ -1,4 +1,4 @@
-"""Verdicts at a glance: marks, shares, matrices, lists of what did not pass, and where it all comes from."""
+"""Summaries of verdicts: marks, counts, matrices, lists of the findings that did not pass, and provenance; the index page."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -15,40 +15,40 @@ from .record import Record
 
 GATES = ("verification", "regression")
 HINTS = 6
-"""Reasons in the hint of a cell; all of them are in the lists."""
+"""Largest number of reasons in the tooltip of a cell; the lists show all of them."""
 MEANING = {
-    0: "The gate would end with status 0: nothing failed.",
-    1: "The gate would end with status 1: a gate failed.",
-    3: "The gate would end with status 3: a run erred.",
-    4: "The gate would end with status 0, and with 4 under --strict: nothing failed, but not everything could be concluded.",
+    0: "The gate would exit with status 0: nothing failed.",
+    1: "The gate would exit with status 1: a gate failed.",
+    3: "The gate would exit with status 3: a run ended in an error.",
+    4: "The gate would exit with status 0, or 4 with --strict: nothing failed, but some criteria are inconclusive.",
 }
 
 
 def case_anchors(record: Record) -> dict[str, str]:
-    """Anchor of each case on the page of its study."""
+    """Return the anchor of each case on the page of its study."""
     return {name: f"case-{anchor}" for name, anchor in slugs([case.name for case in record.cases]).items()}
 
 
 def solver_anchors(record: Record) -> dict[str, str]:
-    """Anchor of each solver on the page of a study."""
+    """Return the anchor of each solver on the page of a study."""
     return {name: f"solver-{anchor}" for name, anchor in slugs(list(record.schemes)).items()}
 
 
 def verdict_anchors(record: Record) -> dict[tuple[str, str], str]:
-    """Anchor of the verdicts on (case, solver) on the page of their study."""
+    """Return the anchor of the verdicts on each (case, solver) on the page of their study."""
     cases, names = case_anchors(record), slugs(list(record.schemes))
     return {(case, solver): f"{cases[case]}--{anchor}" for case in cases for solver, anchor in names.items()}
 
 
 def mark(findings: Sequence[Finding]) -> Mark:
-    """Worst verdict of some findings, and how many of them have it."""
+    """Return the worst verdict of some findings, with the number of findings that have it."""
     verdict = worst(finding.verdict for finding in findings)
     count = sum(finding.verdict is verdict for finding in findings)
     return Mark(verdict.value.lower(), verdict.value, f"{count} of {len(findings)}")
 
 
 def gate_marks(findings: Sequence[Finding]) -> tuple[GateMark, ...]:
-    """Worst verdict of each gate that judged anything."""
+    """Return the worst verdict of each gate that has findings."""
     judged = {gate: [finding for finding in findings if finding.gate == gate] for gate in GATES}
     return tuple(GateMark(gate.capitalize(), mark(members)) for gate, members in judged.items() if members)
 
@@ -59,12 +59,12 @@ def shares(findings: Sequence[Finding]) -> tuple[Share, ...]:
 
 
 def cell(findings: Sequence[Finding], href: str) -> Cell:
-    """Make the cell of some findings, as narrow as can be; its hint has the reasons of the worst of them."""
-    bad = [f"{f.verdict} {f.case}, {ladder(f.refinement)}: {f.criterion}: {f.reason}" for f in ranked(findings)]
-    more = [f"and {len(bad) - HINTS} more"] if len(bad) > HINTS else []
+    """Make the matrix cell of some findings, with a short text; its tooltip gives the reasons of the worst findings."""
+    reasons = [f"{f.verdict} {f.case}, {ladder(f.refinement)}: {f.criterion}: {f.reason}" for f in ranked(findings)]
+    more = [f"and {len(reasons) - HINTS} more"] if len(reasons) > HINTS else []
     worst_of = mark(findings)
     note = str(len(findings)) if worst_of.kind == "pass" else worst_of.note.replace(" of ", "/")
-    return Cell(replace(worst_of, note=note), href, "\n".join(bad[:HINTS] + more) or f"all {len(findings)} passed")
+    return Cell(replace(worst_of, note=note), href, "\n".join(reasons[:HINTS] + more) or f"all {len(findings)} passed")
 
 
 def matrix(
@@ -74,7 +74,19 @@ def matrix(
     href: Callable[[str, str], str],
     anchors: Mapping[str, str],
 ) -> tuple[Row, ...]:
-    """Rows by solver, in the order of their anchors: a pair of cells (verification, regression) by column; `href` links (column, solver)."""
+    """Make the rows of a verdict matrix: one row for each solver, with cells (verification, regression) for each column.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+    columns : sequence of str
+    column_of : callable
+        Returns the column of a finding.
+    href : callable
+        Returns the link of (column, solver).
+    anchors : mapping of str to str
+        Anchor of the row of each solver, in the order of the rows.
+    """
     table: dict[tuple[str, str, str], list[Finding]] = {}
     for finding in findings:
         table.setdefault((finding.solver, column_of(finding), finding.gate), []).append(finding)
@@ -92,15 +104,15 @@ def matrix(
 def judgements(
     findings: Sequence[Finding], href: Callable[[Finding], str], sources: Sequence[str] = ()
 ) -> tuple[Judgement, ...]:
-    """Findings as they are listed: a run that did not complete is told once, for all criteria of its series.
+    """Merge findings that differ only in criterion and source: a run that failed is listed once for all criteria of its series.
 
     Parameters
     ----------
     findings : sequence of Finding
     href : callable
-        Gives the link of a finding.
+        Returns the link of a finding.
     sources : sequence of str
-        Numbered footnotes.
+        Sources, in the order of their footnote numbers.
     """
     table: dict[Finding, list[Finding]] = {}
     for finding in findings:
@@ -122,7 +134,7 @@ def judgements(
 
 
 def not_passed(findings: Sequence[Finding], href: Callable[[Finding], str]) -> tuple[Group, ...]:
-    """What is no PASS, by verdict and gate, the worst first; long lists of what is merely inconclusive are folded."""
+    """Group the findings that did not pass by verdict and gate, the worst first; long lists of INCONCLUSIVE are folded."""
     table: dict[tuple[Verdict, str], list[Finding]] = {}
     for finding in ranked(findings):
         table.setdefault((finding.verdict, finding.gate), []).append(finding)
@@ -132,14 +144,14 @@ def not_passed(findings: Sequence[Finding], href: Callable[[Finding], str]) -> t
             members = table.get((verdict, gate), [])
             if members:
                 judged = judgements(members, href)
-                severe = verdict is not Verdict.INCONCLUSIVE or len(judged) <= 12
+                unfolded = verdict is not Verdict.INCONCLUSIVE or len(judged) <= 12
                 title = f"{gate.capitalize()}: {len(members)}"
-                groups.append(Group(f"{verdict.value.lower()}-{gate}", judged[0].mark, title, (), severe, judged))
+                groups.append(Group(f"{verdict.value.lower()}-{gate}", judged[0].mark, title, (), unfolded, judged))
     return tuple(groups)
 
 
 def origin(record: Record) -> Origin:
-    """Provenance of a study's file."""
+    """Return the provenance of a study file."""
     a = record.attributes
     names = {
         "Written": a["date_created"],
@@ -156,8 +168,8 @@ def origin(record: Record) -> Origin:
     return Origin(record.name, f"../{record.name}.nc", tuple(Fact(name, str(value)) for name, value in names.items() if value))
 
 
-def index_page(records: Sequence[Record], generator: str, *, trusted: bool = False) -> IndexPage:
-    """Make the first page from all studies; `trusted` links the page of the self-test."""
+def index_page(records: Sequence[Record], generator: str, *, trust_page: bool = False) -> IndexPage:
+    """Make the index page from all studies; `trust_page` adds a link to the trust page."""
     findings = [finding for record in records for finding in record.findings]
     names = list(dict.fromkeys(solver for record in records for solver in record.schemes))
     solvers = {record.name: solver_anchors(record) for record in records}
@@ -168,7 +180,7 @@ def index_page(records: Sequence[Record], generator: str, *, trusted: bool = Fal
         generator=generator,
         navigation=(
             Link("Overview", "index.html", True),
-            *((Link("How far to trust this", "trust.html"),) if trusted else ()),
+            *((Link("How far to trust this", "trust.html"),) if trust_page else ()),
             *(Link(str(r.attributes["title"]), f"{r.name}.html") for r in records),
         ),
         mark=mark(findings),

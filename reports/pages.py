@@ -1,11 +1,11 @@
-"""What the pages show: one frozen value a page, ready to print; a template adds no number and no decision to it."""
+"""Content of the pages: one frozen dataclass of formatted text for each page; the templates compute and decide nothing."""
 
 from dataclasses import dataclass
 
 from .parts import (
     Curve,
     Fact,
-    Fates,
+    FateCounts,
     FaultRow,
     GateMark,
     Group,
@@ -15,13 +15,13 @@ from .parts import (
     Option,
     OrderTable,
     Origin,
-    Plain,
     RateTable,
     Row,
     RunRow,
     Scheme,
     Share,
     SourceRow,
+    UnmodifiedRow,
 )
 from .theory import Theory
 
@@ -30,9 +30,36 @@ from .theory import Theory
 class CaseSection:
     """A case on the page of its study.
 
-    `figures` is JSON for the script, safe within HTML; `charted` tells whether any error can be drawn against what its ladder
-    refines; `theory` is there where something was measured that a scheme's own theory knows, and `maps` are the titles of the
-    dominance maps. A case that has a theory, and whose orders nobody judges, is not charted and has no tables.
+    Parameters
+    ----------
+    anchor, name : str
+    gates : tuple of GateMark
+    exposes, citation : str
+        The errors that the problem exposes, and the source of its exact solution.
+    equations : tuple of str
+        MathML.
+    setup : tuple of Fact
+    quantities, norms : tuple of Option
+        Choices of the convergence chart.
+    charted : bool
+        Whether any error can be drawn against a refined size; False if there is theory and no order is judged.
+    theory : Theory or None
+        Chart of measured frequencies or stability limits, if there are any.
+    curves : tuple of Curve
+    wave_quantities : tuple of Option
+    thumbnail_quantity : str
+    tables : tuple of OrderTable
+        Empty if there is theory and no order is judged.
+    source_rows : tuple of SourceRow
+    maps : tuple of str
+        Titles of the dominance maps.
+    groups : tuple of Group
+    sources : tuple of str
+        Sources of the criteria, in the order of their footnote numbers.
+    runs : tuple of RunRow
+    cost : str
+    figures : str
+        JSON of the charts, escaped for use in HTML.
     """
 
     anchor: str
@@ -61,26 +88,26 @@ class CaseSection:
 
 @dataclass(frozen=True)
 class IndexPage:
-    """The first page: every study and solver at a glance.
+    """The index page: an overview of all studies and solvers.
 
     Parameters
     ----------
     title, generator : str
     navigation : tuple of Link
     mark : Mark
-        The worst verdict of all.
+        The worst verdict of all findings.
     gates : tuple of GateMark
     shares : tuple of Share
-        How many findings have each verdict.
+        Number of findings with each verdict.
     lacking : tuple of Judgement
-        Of each study that lacks series of the baseline.
+        One for each study in which series of the baseline are missing.
     exit_status : str
-        With which status the gate would end, in a sentence.
+        The exit status of the gate, in a sentence.
     columns : tuple of Link
-        Studies of the matrix.
+        Studies, the columns of the matrix.
     rows : tuple of Row
     groups : tuple of Group
-        What is no PASS.
+        Findings that did not pass.
     origins : tuple of Origin
     """
 
@@ -108,19 +135,19 @@ class StudyPage:
     navigation : tuple of Link
         The index page and the cases.
     restricted_to : str
-        The part of the study that was run, "" for the whole.
+        The part of the study that was run; "" for the whole study.
     summary : str
     gates : tuple of GateMark
     shares : tuple of Share
     lacking : tuple of Judgement
-        One when the study lacks series of the baseline.
+        One if series of the baseline are missing, else empty.
     columns : tuple of Link
-        Cases of the matrix.
+        Cases, the columns of the matrix.
     rows : tuple of Row
     schemes : tuple of Scheme
     cases : tuple of CaseSection
     origins : tuple of Origin
-        Of this study alone.
+        Provenance of this study.
     """
 
     title: str
@@ -140,34 +167,33 @@ class StudyPage:
 
 @dataclass(frozen=True)
 class TrustPage:
-    """How far to trust the verdicts.
+    """The trust page: results of the self-test.
 
     Parameters
     ----------
     title, generator : str
     navigation : tuple of Link
     mark : Mark
-        Of the self-test; its note says how many of the faults that change results were caught.
+        Verdict of the self-test; its note is the number of faults caught among those that change results.
     sample : str
-        Which faults were planted, in a sentence.
+        The planted faults, in a sentence.
     fates : tuple of str
         Columns of the kill table.
-    rules : tuple of Fates
-    total : Fates
+    rules : tuple of FateCounts
+    total : FateCounts
     meanings : tuple of Fact
-        What each fate means.
+        Meaning of each fate.
     survivors : tuple of FaultRow
-        With what no trial comes to.
+        Faults that survived, are undecided or were not exercised.
     named, by_rule : tuple of FaultRow
-    runs : tuple of Plain
-        Of the unmodified solvers.
+    runs : tuple of UnmodifiedRow
     alarms : str
-        How many of them raised a false alarm, in a sentence.
+        Number of false alarms in these runs, in a sentence.
     judge : str
-        How often the judge is wrong about random series, in a sentence.
+        Rates of wrong verdicts on random series, in a sentence.
     rates : tuple of RateTable
     command : str
-        Makes the page anew.
+        Command that reproduces the page.
     origins : tuple of Origin
     """
 
@@ -177,13 +203,13 @@ class TrustPage:
     mark: Mark
     sample: str
     fates: tuple[str, ...]
-    rules: tuple[Fates, ...]
-    total: Fates
+    rules: tuple[FateCounts, ...]
+    total: FateCounts
     meanings: tuple[Fact, ...]
     survivors: tuple[FaultRow, ...]
     named: tuple[FaultRow, ...]
     by_rule: tuple[FaultRow, ...]
-    runs: tuple[Plain, ...]
+    runs: tuple[UnmodifiedRow, ...]
     alarms: str
     judge: str
     rates: tuple[RateTable, ...]

@@ -1,4 +1,4 @@
-"""Parts of pages: frozen values, ready to print."""
+"""Parts of pages: frozen dataclasses of formatted text."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Mark:
-    """A verdict: `kind` is its name in lower case, for the style sheet and the icon; `note` says of how many."""
+    """A verdict: `kind` is its name in lower case, for style and icon; `note` is the number of criteria that have it."""
 
     kind: str
     text: str
@@ -25,7 +25,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class GateMark:
-    """The verdict of one gate."""
+    """The worst verdict of one gate."""
 
     gate: str
     mark: Mark
@@ -33,7 +33,7 @@ class GateMark:
 
 @dataclass(frozen=True)
 class Share:
-    """How many of the findings have a verdict."""
+    """The number of findings with one verdict."""
 
     mark: Mark
     count: int
@@ -41,7 +41,7 @@ class Share:
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of a matrix: the worst verdict with the reasons of those that are no PASS; None where nothing was judged."""
+    """A cell of a matrix: the worst verdict, a link to the findings, and a tooltip with the reasons of those that did not pass."""
 
     mark: Mark
     href: str
@@ -50,7 +50,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a matrix: a solver, and (verification, regression) for each column."""
+    """A row of a matrix: a solver, with cells (verification, regression) for each column; None where nothing was judged."""
 
     anchor: str
     solver: str
@@ -59,7 +59,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Scheme:
-    """What a solver is: its choices and its formal orders."""
+    """A solver with its choices and formal orders."""
 
     solver: str
     choices: str
@@ -68,7 +68,7 @@ class Scheme:
 
 @dataclass(frozen=True)
 class Criterion:
-    """What was judged; `footnote` numbers its source among those of its case."""
+    """Title of a criterion; `footnote` is the number of its source among the sources of the case."""
 
     title: str
     footnote: int
@@ -76,7 +76,7 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Findings on one series that share their verdict and their reason."""
+    """Findings on one series that share their verdict and reason."""
 
     mark: Mark
     study: str
@@ -91,7 +91,7 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Group:
-    """Findings that belong together, folded or not."""
+    """A list of findings under one title, folded or not."""
 
     anchor: str
     mark: Mark
@@ -103,7 +103,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Fact:
-    """A name and its value."""
+    """A label and its value."""
 
     name: str
     value: str
@@ -111,7 +111,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Origin:
-    """Where the file of a study comes from."""
+    """Provenance of the file of a study."""
 
     study: str
     href: str
@@ -146,7 +146,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class ErrorCell:
-    """One level in one quantity and norm."""
+    """Error of one level in one quantity and norm, and the order from the coarser level."""
 
     error: str
     absolute: str
@@ -156,7 +156,7 @@ class ErrorCell:
 
 @dataclass(frozen=True)
 class OrderRow:
-    """One series in one quantity and norm; a cell is None where it has no such level, the mark where the series passed."""
+    """Errors of one series in one quantity and norm; a cell is None if there is no such level, the mark if the series passed."""
 
     solver: str
     ladder: str
@@ -171,7 +171,7 @@ class OrderRow:
 
 @dataclass(frozen=True)
 class OrderTable:
-    """Errors and orders of a case in one quantity and norm; `axis` is the size that heads the columns."""
+    """Errors and orders of a case in one quantity and norm; `axis` is the refined size, whose values head the columns."""
 
     key: str
     caption: str
@@ -184,7 +184,7 @@ class OrderTable:
 
 @dataclass(frozen=True)
 class SourceRow:
-    """One source of the error of one design in one quantity and norm."""
+    """One source of error of one design in one quantity and norm."""
 
     solver: str
     ladder: str
@@ -198,7 +198,7 @@ class SourceRow:
 
 @dataclass(frozen=True)
 class RunRow:
-    """One run and its cost; `href` is empty when it left no file."""
+    """One run and its cost; `href` is empty if there is no run file."""
 
     solver: str
     ladder: str
@@ -214,8 +214,8 @@ class RunRow:
 
 
 @dataclass(frozen=True)
-class Fates:
-    """How many planted faults of a rule met each fate."""
+class FateCounts:
+    """Number of planted faults of a rule, in total and for each fate."""
 
     rule: str
     planted: str
@@ -224,7 +224,7 @@ class Fates:
 
 @dataclass(frozen=True)
 class RateTable:
-    """How often the judge is right: rows of kind and truth, and of numbers; a command gives them."""
+    """Rates of right and wrong verdicts on random series; each row has a kind of series, the true order and the rates."""
 
     caption: str
     rows: tuple[tuple[str, str, tuple[str, ...]], ...]
@@ -232,7 +232,7 @@ class RateTable:
 
 @dataclass(frozen=True)
 class FaultRow:
-    """A planted fault: the passage before and after, what caught it, and in which trial."""
+    """A planted fault: the source text before and after, the criterion that caught it, and the trial."""
 
     mark: Mark
     name: str
@@ -245,8 +245,8 @@ class FaultRow:
 
 
 @dataclass(frozen=True)
-class Plain:
-    """A row of a plain table: its verdict, its numbers and the reason."""
+class UnmodifiedRow:
+    """A run of the unmodified solvers: verdict, numbers and reason."""
 
     mark: Mark
     cells: tuple[str, ...]

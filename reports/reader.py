@@ -1,4 +1,4 @@
-"""Study files, read into records."""
+"""Read study files into records."""
 
 import dataclasses
 import json
@@ -18,7 +18,7 @@ from .record import Array, Case, Estimate, Level, Measure, Profile, Record, Seri
 
 
 def read(path: Path) -> Record:
-    """Read a study file; its name names its page, so that a copy stands beside the original.
+    """Read a study file; the record has the name of the file, so that a renamed copy gets a page of its own.
 
     Raises
     ------
@@ -27,7 +27,7 @@ def read(path: Path) -> Record:
 
     Notes
     -----
-    The variables are read as they lie: an xarray tree of all of them takes five times as long.
+    The variables are read with netCDF4, because an xarray tree takes five times as long.
     """
     try:
         with netCDF4.Dataset(path) as file:
@@ -67,7 +67,7 @@ def _cases(column: Mapping[str, np.ndarray]) -> Iterator[Case]:
 def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]:
     column = _columns(group)
     units, bands, judged = _units(group), _bands(column), _judged(column, study, solver)
-    # Profiles are drawn over one coordinate: fields in the plane and in space stay in the file.
+    # Profiles are drawn over one coordinate, so fields in two and three dimensions are not read.
     profiles = _profiles(group.groups["snapshots"]) if "snapshots" in group.groups else {}
     kept = [part for name, part in group.groups.items() if name.startswith("histories")]
     histories = {identity: table for part in kept for identity, table in _histories(part).items()}
@@ -102,7 +102,7 @@ def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]
 
 
 def _judged(column: Mapping[str, np.ndarray], study: str, solver: str) -> dict[tuple[str, str], list[Finding]]:
-    """Findings by series."""
+    """Return the findings by series."""
     table: dict[tuple[str, str], list[Finding]] = {}
     fields = {name.removeprefix("verdict_"): values.tolist() for name, values in column.items() if name.startswith("verdict_")}
     for row in zip(*fields.values(), strict=True):
@@ -138,13 +138,13 @@ def _estimates(
 
 
 def _metrics(column: Mapping[str, np.ndarray], indices: np.ndarray) -> dict[str, Array]:
-    """What the criteria measured on a series, by name."""
+    """Return the quantities that criteria measured on a series, by name."""
     table = {name: column["metric"][indices, k] for k, name in enumerate(column["metric_name"].tolist())}
     return {name: values for name, values in table.items() if np.isfinite(values).any()}
 
 
 def _bands(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[Measure, tuple[float, float]]]:
-    """Accepted bands of orders, by series and measure."""
+    """Return the accepted bands of orders by series and measure."""
     table: dict[tuple[str, str], dict[Measure, tuple[float, float]]] = {}
     rows = (column[f"criterion_{name}"].tolist() for name in ("case", "refinement", "json"))
     for case, refinement, stored in zip(*rows, strict=True):
@@ -156,7 +156,7 @@ def _bands(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[Measu
 
 
 def _separations(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[Measure, Separation]]:
-    """Sources of errors by series and measure."""
+    """Return the separated sources of error by series and measure."""
     table: dict[tuple[str, str], dict[Measure, Separation]] = {}
     names = ("case", "refinement", "quantity", "norm", "obstacle", "residual")
     sizes = column["source"].tolist() if "source" in column else []
@@ -175,8 +175,8 @@ def _separations(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict
     return table
 
 
-def _profiles(shots: netCDF4.Dataset) -> dict[tuple[str, str], Profile]:
-    column, units = _columns(shots), _units(shots)
+def _profiles(snapshots: netCDF4.Dataset) -> dict[tuple[str, str], Profile]:
+    column, units = _columns(snapshots), _units(snapshots)
     quantities = [name for name in column if f"{name}_exact" in column]
     ends = np.cumsum(column["row_size"])
     table: dict[tuple[str, str], list[int]] = {}

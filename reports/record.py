@@ -1,4 +1,4 @@
-"""A study as it is read from its file: plain frozen values, one series at a time."""
+"""Records: frozen dataclasses with the content of a study file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ Measure = tuple[str, str]
 
 @dataclass(frozen=True)
 class Level:
-    """One run of a series."""
+    """One run of a series: `h` [m], `dt` [s], wall time `seconds` [s]; `run` is the key of the run file."""
 
     h: float
     dt: float
@@ -31,15 +31,31 @@ class Level:
     run: str
 
     def size(self, name: str) -> float:
-        """Size that a series may refine, by its name: h [m], dt [s] or 1/ppc."""
+        """Return the size "h" [m], "dt" [s] or "1/ppc"."""
         return 1 / self.ppc if name == "1/ppc" else float(getattr(self, name))
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """Errors of one series in one quantity and norm, coarsest level first, and the order that was fitted to them.
+    """Errors of one series in one quantity and norm, with the order fitted to them.
 
-    `units` are those of the absolute errors.
+    Parameters
+    ----------
+    error, absolute : Array
+        Relative and absolute errors (L,), coarsest level first.
+    units : str
+        Unit of the absolute errors.
+    pairwise : Array
+        Observed order from the next coarser level (L,).
+    kept : tuple of bool
+        Whether each level is in the fit.
+    dropped : tuple of str
+        The dropped levels, with reasons.
+    order, low, high : float
+        Fitted order and its interval.
+    floor : float
+        Error that remains as the size goes to zero.
+    classification : str
     """
 
     error: Array
@@ -57,7 +73,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Profile:
-    """Fields of one level at its output times: T times, P points, sorted by reference position."""
+    """Fields (T, P) of one level at T output times [s] and P points, sorted by reference position [m]."""
 
     h: float
     time: Array
@@ -67,14 +83,14 @@ class Profile:
     units: Mapping[str, str]
 
     def error(self, quantity: str) -> Array:
-        """Numerical less exact field (T, P)."""
+        """Return the numerical minus the exact field (T, P)."""
         difference: Array = self.fields[quantity] - self.exact[quantity]
         return difference
 
 
 @dataclass(frozen=True)
 class Series:
-    """One solver on one ladder of one case; `axis` is the size that it refines, "" for a design, which has no orders."""
+    """One solver on one ladder of one case; `axis` is the refined size, or "" for a design, which has no orders."""
 
     case: str
     solver: str
@@ -94,12 +110,12 @@ class Series:
 
     @property
     def sizes(self) -> tuple[float, ...]:
-        """Size of each level along the axis; none of a design."""
+        """Refined size of each level; empty for a design."""
         return tuple(level.size(self.axis) for level in self.levels) if self.axis else ()
 
     @property
     def verified(self) -> tuple[Finding, ...]:
-        """Findings that tell whether the series is right: those of the verification gate, or all where it judged nothing."""
+        """Findings of the verification gate, or all findings if it has none."""
         return tuple(finding for finding in self.findings if finding.gate == "verification") or self.findings
 
     @property
@@ -113,7 +129,7 @@ class Series:
 
 @dataclass(frozen=True)
 class Case:
-    """What a study says of one of its verification problems."""
+    """A case of a study: its verification problem, described for readers, and the quantity that is shown first."""
 
     name: str
     exposes: str
@@ -125,7 +141,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Record:
-    """A study's file: its attributes, cases, schemes by solver and series; `lacking` says what the baseline has beside these."""
+    """A study file: attributes, cases, scheme of each solver, series, and a finding on baseline series that are missing."""
 
     name: str
     attributes: Mapping[str, Any]
@@ -136,7 +152,7 @@ class Record:
 
     @property
     def judged(self) -> tuple[Finding, ...]:
-        """Findings on the series."""
+        """Findings on all series."""
         return tuple(finding for series in self.series for finding in series.findings)
 
     @property
@@ -145,5 +161,5 @@ class Record:
 
     @property
     def restricted_to(self) -> str:
-        """What its run was restricted to; "" where it was not."""
+        """The part of the study that was run; "" for the whole study."""
         return str(self.attributes.get("restricted_to", ""))

@@ -1,4 +1,4 @@
-"""Pages written as HTML: the one module that knows the template engine."""
+"""Write the pages as HTML; the only module that uses the template engine."""
 
 import dataclasses
 import importlib.util
@@ -29,7 +29,7 @@ SIGNATURE = b'<meta name="generator" content="mpmverify '
 TEMPLATES = {IndexPage: "index.html", StudyPage: "study.html", TrustPage: "trust.html"}
 PLOTLY = "plotly.min.js"
 ORIGIN = {"Written": "date_created", "Commit": "commit", "Tier": "tier", "Versions": "versions", "Platform": "platform"}
-"""Attributes of a self-test that its page shows."""
+"""Attributes of the self-test file that the trust page shows, by label."""
 
 
 def write(results: Results, manifest: Manifest, stale: Sequence[str]) -> None:
@@ -38,7 +38,7 @@ def write(results: Results, manifest: Manifest, stale: Sequence[str]) -> None:
     Raises
     ------
     ResultsError
-        If a study is damaged, or something that is not ours stands in a page's place.
+        If a study file is damaged, plotly is missing, or a file that is no page of a report has the path of a page.
     """
     for name in (*stale, "index"):
         _check_ours(page(results, name))
@@ -50,7 +50,7 @@ def write(results: Results, manifest: Manifest, stale: Sequence[str]) -> None:
             _write(page(results, record.name), render(study_page(record, runs, GENERATOR)))
     if TRUST in stale:
         _write(page(results, TRUST), render(_trust(results)))
-    _write(page(results, "index"), render(index_page(records, GENERATOR, trusted=manifest.selftest is not None)))
+    _write(page(results, "index"), render(index_page(records, GENERATOR, trust_page=manifest.selftest is not None)))
 
 
 def _trust(results: Results) -> TrustPage:
@@ -61,14 +61,14 @@ def _trust(results: Results) -> TrustPage:
 
 
 def render(content: IndexPage | StudyPage | TrustPage) -> str:
-    """HTML of a page."""
+    """Render a page to HTML."""
     fields = {field.name: getattr(content, field.name) for field in dataclasses.fields(content)}
     return environment().get_template(TEMPLATES[type(content)]).render(fields)
 
 
 @cache
 def environment() -> Environment:
-    """Template engine: every value is escaped, an unknown name is an error."""
+    """Return the template engine, which escapes every value and raises on an unknown name."""
     engine = Environment(
         loader=PackageLoader("mpmverify.reports"),
         autoescape=True,
@@ -78,12 +78,12 @@ def environment() -> Environment:
         keep_trailing_newline=True,
     )
     engine.filters["cited"] = cited
-    engine.filters["markup"] = Markup  # for MathML and figures, which are made safe where they are made
+    engine.filters["markup"] = Markup  # only for MathML and figures, which are escaped where they are made
     return engine
 
 
 def cited(text: str) -> Markup:
-    """Text with its digital object identifiers as links."""
+    """Escape a text and turn its DOIs into links."""
     return Markup(re.sub(r"doi:(10\.\d+/[^\s,;]*[^\s,;.)])", r'<a href="https://doi.org/\1">doi:\1</a>', str(escape(text))))
 
 

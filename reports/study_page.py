@@ -12,8 +12,8 @@ from . import charts
 from .balances import balances
 from .dominance import maps, source_rows
 from .equations import mathml
-from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, plain, size
-from .orders import leading, measures, order_tables
+from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size, typeset_numbers
+from .orders import first_measure, measures, order_tables
 from .overview import (
     case_anchors,
     gate_marks,
@@ -33,18 +33,18 @@ from .theory import Theory, theory
 from .thumbnails import thumbnail
 
 DOUBTFUL = 8
-"""Series that did not pass of which a reader sees as many at first, beside the selection."""
+"""Largest number of series that did not pass and are drawn at first in addition to the selection."""
 
 
 def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
-    """Make the page of a study; `runs` are the keys of the run files that can be linked to."""
+    """Make the page of a study; `runs` are the keys of the run files that exist."""
     anchors, places = case_anchors(record), verdict_anchors(record)
-    looks = styles(record.series)
+    curve_styles = styles(record.series)
     outputs = charts.outputs_within_budget([entry.profile for entry in record.series if entry.profile])
     sections = []
     for case in record.cases:
-        chosen = [(entry, look) for entry, look in zip(record.series, looks, strict=True) if entry.case == case.name]
-        series, styled = [entry for entry, _ in chosen], [look for _, look in chosen]
+        chosen = [(entry, style) for entry, style in zip(record.series, curve_styles, strict=True) if entry.case == case.name]
+        series, styled = [entry for entry, _ in chosen], [style for _, style in chosen]
         sections.append(_section(case, anchors[case.name], places, series, styled, outputs, runs))
     formal = {entry.solver: entry.formal for entry in record.series}
     cases = [case.name for case in record.cases]
@@ -80,17 +80,17 @@ def _section(
     anchor: str,
     places: Mapping[tuple[str, str], str],
     series: Sequence[Series],
-    looks: Sequence[Style],
+    curve_styles: Sequence[Style],
     outputs: int,
     runs: Set[str],
 ) -> CaseSection:
     findings = [finding for entry in series for finding in entry.findings]
-    shown = leading([entry for entry in series if entry.axis], case.shown)
+    shown = first_measure([entry for entry in series if entry.axis], case.shown)
     sources = list(dict.fromkeys(finding.source for finding in findings))
     units = {quantity: unit for entry in series if entry.profile for quantity, unit in entry.profile.units.items()}
     first = case.shown if case.shown in units else next(iter(units), "")
-    known_theory = theory(series, looks)
-    # On few cells a mode is out of phase by many periods at the final time: where nobody judges its error, it tells no order.
+    known_theory = theory(series, curve_styles)
+    # On a coarse grid a mode ends out of phase by many periods. Its errors show no order and are left out if no order is judged.
     convergent = known_theory is None or any(entry.bands for entry in series)
     ladders = [entry for entry in series if entry.axis and convergent]
     known = measures(ladders)
@@ -107,7 +107,7 @@ def _section(
         norms=_options([norm for _, norm in known], shown and shown[1], NORM_NAMES),
         charted=_charted(ladders),
         theory=known_theory,
-        curves=_curves(series, looks, shown, first),
+        curves=_curves(series, curve_styles, shown, first),
         wave_quantities=_options(list(units), first, {}),
         thumbnail_quantity=first,
         tables=order_tables(ladders, shown),
@@ -117,13 +117,13 @@ def _section(
         sources=tuple(sources),
         runs=tuple(row for entry in series for row in _runs(entry, runs)),
         cost=_cost(series),
-        figures=_figures(series, looks, known, known_theory, units, outputs, dominance),
+        figures=_figures(series, curve_styles, known, known_theory, units, outputs, dominance),
     )
 
 
 def _fact(name: str, value: str) -> Fact:
     name = re.sub(r"^face (\w)([+-])$", lambda face: f"face {face[1]}{face[2].replace('-', MINUS)}", name)
-    return Fact(name, plain(value).replace(" = ", "\u00a0=\u00a0"))
+    return Fact(name, typeset_numbers(value).replace(" = ", "\u00a0=\u00a0"))
 
 
 def _options(values: Sequence[str], selected: str | None, names: dict[str, str]) -> tuple[Option, ...]:
@@ -135,11 +135,11 @@ def _charted(series: Sequence[Series]) -> bool:
     return levels and any((estimate.error > 0).any() for entry in series for estimate in entry.estimates.values())
 
 
-def _curves(series: Sequence[Series], looks: Sequence[Style], shown: Measure | None, quantity: str) -> tuple[Curve, ...]:
+def _curves(series: Sequence[Series], curve_styles: Sequence[Style], shown: Measure | None, quantity: str) -> tuple[Curve, ...]:
     doubtful = [k for k, entry in enumerate(series) if shown in entry.estimates and not entry.passed]
     chosen = selection(series, shown) | set(doubtful[:DOUBTFUL])
     curves = []
-    for k, (entry, look) in enumerate(zip(series, looks, strict=True)):
+    for k, (entry, style) in enumerate(zip(series, curve_styles, strict=True)):
         estimate = entry.estimates.get(shown) if shown else None
         curve = Curve(
             index=k,
@@ -148,9 +148,9 @@ def _curves(series: Sequence[Series], looks: Sequence[Style], shown: Measure | N
             order=order(estimate.order) if estimate else "",
             shown=k in chosen,
             passed=entry.passed,
-            paint=look.paint,
-            stroke=STROKES[look.dash],
-            symbol=look.symbol,
+            paint=style.paint,
+            stroke=STROKES[style.dash],
+            symbol=style.symbol,
             thumbnail=thumbnail(entry.profile, quantity) if entry.profile else None,
             mark=mark(entry.verified),
         )
@@ -159,7 +159,7 @@ def _curves(series: Sequence[Series], looks: Sequence[Style], shown: Measure | N
 
 
 def _groups(findings: Sequence[Finding], places: Mapping[tuple[str, str], str], sources: Sequence[str]) -> tuple[Group, ...]:
-    """Findings by solver; folded where neither a gate failed nor the verification is in doubt."""
+    """Group findings by solver; a group is unfolded if a criterion failed or verification is inconclusive."""
     table: dict[str, list[Finding]] = {}
     for finding in findings:
         table.setdefault(finding.solver, []).append(finding)
@@ -202,7 +202,7 @@ def _cost(series: Sequence[Series]) -> str:
 
 def _figures(
     series: Sequence[Series],
-    looks: Sequence[Style],
+    curve_styles: Sequence[Style],
     known: Sequence[Measure],
     known_theory: Theory | None,
     units: dict[str, str],
@@ -210,12 +210,12 @@ def _figures(
     dominance: list[charts.Figure],
 ) -> str:
     table = []
-    for entry, look in zip(series, looks, strict=True):
+    for entry, style in zip(series, curve_styles, strict=True):
         time = entry.histories.get("time")
         table.append(
             {
-                "paint": look.paint,
-                "symbol": look.symbol,
+                "paint": style.paint,
+                "symbol": style.symbol,
                 "h": cell_size(entry.profile.h) if entry.profile else "",
                 "waves": charts.waves(entry.profile, outputs) if entry.profile else None,
                 "time": charts.floats(time) if time is not None else None,
@@ -223,7 +223,7 @@ def _figures(
             }
         )
     body = {
-        "convergence": charts.convergence(series, looks, known),
+        "convergence": charts.convergence(series, curve_styles, known),
         "theory": known_theory and known_theory.figure,
         "dominance": dominance,
         "waves": charts.wave_figures(units),
@@ -231,5 +231,5 @@ def _figures(
         "series": table,
     }
     text = json.dumps(body, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
-    # Within a script element, these three could end it or open a comment.
+    # These characters could end the script element or open a comment in it.
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")

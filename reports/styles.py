@@ -1,4 +1,4 @@
-"""How curves are told apart: colour by solver, marker by family, dash by ladder; never by colour alone."""
+"""Styles of curves: colour by solver, marker by family, dash by ladder."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from .record import Measure, Series
 
 COLOURS = 10
-"""Colours of the palette, `--series-0` and on in the style sheet; safe for colour-blind readers on light and dark."""
+"""Number of colours, `--series-0` to `--series-9` in the style sheet; safe for colour-blind readers on light and dark pages."""
 DASHES = ("solid", "dash", "dot", "dashdot")
 SYMBOLS = (
     ("circle", "pentagon"),
@@ -15,9 +15,9 @@ SYMBOLS = (
     ("cross", "x"),
     ("star", "hexagram"),
 )
-"""Markers of each family: the first until its colours are used up, then the second."""
+"""Two markers for each family; the second is used when all colours have been used with the first."""
 STROKES = {"solid": "", "dash": "5 3", "dot": "1.5 2.5", "dashdot": "6 2.5 1.5 2.5"}
-"""The same dashes for drawings that are not charts."""
+"""SVG stroke patterns of the dashes, for drawings other than charts."""
 
 
 @dataclass(frozen=True)
@@ -34,22 +34,25 @@ class Style:
 
 
 def styles(series: Sequence[Series]) -> list[Style]:
-    """Styles of the series of a study: a solver keeps its colour and marker in every case."""
+    """Return the styles of the series of a study; a solver has the same colour and marker in every case."""
     solvers = list(dict.fromkeys(entry.solver for entry in series))
     families = list(dict.fromkeys(entry.family for entry in series))
     ladders: dict[tuple[str, str], list[str]] = {}
     table = []
     for entry in series:
-        mine = ladders.setdefault((entry.case, entry.solver), [])
-        mine.append(entry.refinement)
+        of_solver = ladders.setdefault((entry.case, entry.solver), [])
+        of_solver.append(entry.refinement)
         wrap, colour = divmod(solvers.index(entry.solver), COLOURS)
         marks = SYMBOLS[families.index(entry.family) % len(SYMBOLS)]
-        table.append(Style(colour, DASHES[(len(mine) - 1) % len(DASHES)], marks[wrap % len(marks)]))
+        table.append(Style(colour, DASHES[(len(of_solver) - 1) % len(DASHES)], marks[wrap % len(marks)]))
     return table
 
 
-def selection(series: Sequence[Series], measure: Measure | None, most: int = 6) -> set[int]:
-    """Choose which of the series of a case are drawn at first: as many of each family, spread over it, first ladders first."""
+def selection(series: Sequence[Series], measure: Measure | None, count: int = 6) -> set[int]:
+    """Choose at most `count` series of a case that are drawn at first.
+
+    The families have about equal shares, each spread over its solvers; the first ladder of a solver is preferred to the others.
+    """
     families: dict[str, list[tuple[int, int]]] = {}
     seen: dict[str, int] = {}
     for k, entry in enumerate(series):
@@ -59,7 +62,7 @@ def selection(series: Sequence[Series], measure: Measure | None, most: int = 6) 
     places = dict.fromkeys(families, 0)
     for turn in range(len(series)):
         for family, members in families.items():
-            if turn < len(members) and sum(places.values()) < most:
+            if turn < len(members) and sum(places.values()) < count:
                 places[family] += 1
     chosen = set()
     for family, members in families.items():

@@ -1,4 +1,4 @@
-"""How far to trust the verdicts: the faults that were planted in the solvers, and the runs of the unmodified ones."""
+"""The trust page: planted faults, runs of the unmodified solvers, and verdicts on random series."""
 
 from collections.abc import Sequence
 
@@ -6,52 +6,53 @@ from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, SelfTest, t
 
 from .notation import count
 from .pages import TrustPage
-from .parts import Fact, Fates, FaultRow, Link, Mark, Origin, Plain, RateTable
+from .parts import Fact, FateCounts, FaultRow, Link, Mark, Origin, RateTable, UnmodifiedRow
 
 MEANING = {
-    Fate.KILLED: "A criterion of a study failed, a run did not complete, or its solution breaks the contract.",
-    Fate.REGRESSION: "Every criterion passed, and an error grew beyond the baseline.",
-    Fate.BROKEN: "It does not compile, raises, hangs or refuses the problem: the run is an ERROR, whatever the criteria.",
-    Fate.EQUIVALENT: "Its results agree with the original's to 1e-11 on every trial, fields and histories.",
-    Fate.NOT_EXERCISED: "No trial comes to its passage.",
-    Fate.UNDECIDED: "The machine was too busy to tell: the self-test, run again, tries it again.",
-    Fate.SURVIVED: "Its results differ, and everything passed.",
+    Fate.KILLED: "A verification criterion failed, a run did not complete, or the solution was invalid.",
+    Fate.REGRESSION: "Every verification criterion passed, but an error exceeded its baseline.",
+    Fate.BROKEN: "The solver does not compile, raises an exception, hangs or refuses the problem: its run is an ERROR under any criterion.",
+    Fate.EQUIVALENT: "All fields and histories agree with those of the unmodified solver to 1e-11 on every trial.",
+    Fate.NOT_EXERCISED: "No trial reaches the changed passage.",
+    Fate.UNDECIDED: "The machine was too busy to decide: run the self-test again to judge this fault.",
+    Fate.SURVIVED: "The results differ, but every criterion passed.",
 }
 SHOWN = 160
-"""Characters of a passage that are shown."""
+"""Largest number of characters shown of a passage."""
 
 
 def trust_page(test: SelfTest, file: str, facts: Sequence[tuple[str, str]], pages: Sequence[Link], generator: str) -> TrustPage:
-    """Make the page of a self-test.
+    """Make the trust page of a self-test.
 
     Parameters
     ----------
     test : SelfTest
     file : str
-        Its file, without suffix, below the results folder.
+        Path of the self-test file relative to the results folder, without suffix.
     facts : sequence of (str, str)
-        Provenance.
+        Provenance, as labels and values.
     pages : sequence of Link
-        The other pages.
+        Links to the other pages.
     generator : str
+        Name and version of the program.
     """
     table = test.table()
     changing = sum(count for fates in table.values() for fate, count in fates.items() if fate in CHANGING)
     caught = changing - len(_of(test, Fate.SURVIVED))
     kind, word = ("pass", "PASS") if test.passed else ("fail", "FAIL")
-    rules = tuple(Fates(rule, str(sum(fates.values())), tuple(map(str, fates.values()))) for rule, fates in table.items())
+    rules = tuple(FateCounts(rule, str(sum(fates.values())), tuple(map(str, fates.values()))) for rule, fates in table.items())
     totals = [sum(fates[fate] for fates in table.values()) for fate in Fate]
     return TrustPage(
         title="How far to trust this",
         generator=generator,
         navigation=(*pages, Link("How far to trust this", "trust.html", True)),
         mark=Mark(kind, word, f"{caught} of {changing}"),
-        sample=f"{len(test.faults)} faults were planted one at a time, in copies of the shipped solvers: those of a list, "
-        + ("and a sample of" if test.tier == "full" else "and none of")
-        + f" the {test.sites} that the rules make.",
+        sample=f"{len(test.faults)} faults were planted one at a time in copies of the shipped solvers: the named faults and "
+        + ("a sample of" if test.tier == "full" else "none of")
+        + f" the {test.sites} faults by rule.",
         fates=tuple(fate.value for fate in Fate),
         rules=rules,
-        total=Fates("all", str(sum(totals)), tuple(map(str, totals))),
+        total=FateCounts("all", str(sum(totals)), tuple(map(str, totals))),
         meanings=tuple(Fact(fate.value, meaning) for fate, meaning in MEANING.items()),
         survivors=tuple(
             _row(fault) for fate in (Fate.SURVIVED, Fate.UNDECIDED, Fate.NOT_EXERCISED) for fault in _of(test, fate)
@@ -59,21 +60,21 @@ def trust_page(test: SelfTest, file: str, facts: Sequence[tuple[str, str]], page
         named=tuple(_row(fault) for fault in test.faults if fault.rule == "named"),
         by_rule=tuple(_row(fault) for fault in test.faults if fault.rule != "named"),
         runs=tuple(
-            Plain(
+            UnmodifiedRow(
                 Mark(run.verdict.lower(), run.verdict),
                 (str(run.jobs), str(run.threads), f"{run.jitter:g}", str(run.seed) if run.jitter else "–", str(run.judged)),
                 run.reason,
             )
             for run in test.runs
         ),
-        alarms=f"{len(test.alarms)} of {len(test.runs)} runs of the unmodified solvers raised a false alarm.",
+        alarms=f"{len(test.false_alarms)} of {len(test.runs)} runs of the unmodified solvers raised a false alarm.",
         judge=_judge(test.rates.series),
         rates=tuple(
             RateTable(caption, tuple(_rate(rate) for rate in rates))
             for caption, rates in (
                 ("Error series, by kind", test.rates.series),
-                ("Sources of error told apart over a design", test.rates.designs),
-                ("At the limits of what a finite ladder shows: wrong verdicts here are inherent", test.rates.limits),
+                ("Sources of error separated over a design", test.rates.designs),
+                ("Series that a finite ladder cannot resolve: some wrong verdicts are unavoidable", test.rates.limits),
             )
             if rates
         ),
@@ -83,7 +84,7 @@ def trust_page(test: SelfTest, file: str, facts: Sequence[tuple[str, str]], page
 
 
 CHANGING = (Fate.KILLED, Fate.REGRESSION, Fate.BROKEN, Fate.SURVIVED)
-"""Fates of faults that change results."""
+"""Fates of the faults that change results."""
 
 
 def _of(test: SelfTest, fate: Fate) -> list[PlantedFault]:
@@ -113,11 +114,11 @@ def _row(fault: PlantedFault) -> FaultRow:
 
 def _judge(rates: Sequence[Rate]) -> str:
     if not rates:
-        return "The judge was not asked about random series: the unmodified solvers did not pass."
+        return "Verdicts on random series were not measured, because the unmodified solvers did not pass."
     every = total(rates)
     return (
-        f"Of {count(every.series)} random error series of known truth the judge passed {every.wrong_pass / every.series:.3%} wrongly and failed "
-        f"{every.wrong_fail / every.series:.3%} wrongly; on {every.inconclusive / every.series:.0%} it says that they decide nothing yet."
+        f"Of {count(every.series)} random error series of known truth, {every.wrong_pass / every.series:.3%} received a wrong PASS, "
+        f"{every.wrong_fail / every.series:.3%} a wrong FAIL and {every.inconclusive / every.series:.0%} INCONCLUSIVE."
     )
 
 

@@ -1,4 +1,4 @@
-"""Solvers that behave as they are told, at once: importable by worker processes, which unpickle them by name."""
+"""Fast solvers with a prescribed behaviour. Worker processes unpickle them by name, so they are in a module of their own."""
 
 import os
 import sys
@@ -21,23 +21,24 @@ from mpmverify.solution import Outcome, Solution, Status, Work
 from mpmverify.study import Case, Refinement, Series, Study, halving
 
 HILL = Gaussian(width=0.2)
-"""Eight cells sum it to round-off, so that its norms are those of every level."""
+"""Sums over eight cells or more integrate it to round-off, so its norms are the same on every level."""
 SECOND_ORDER = (Order("u", "L2", 1.9, 2.1, "made so"), Balance("mass", "", "made so"))
 
 
 @dataclass(frozen=True)
 class Scripted:
-    """Carries the initial profile along exactly, and adds an error of h^order.
+    """Transports the initial profile exactly and adds an error of h^order.
 
     Parameters
     ----------
     behaviour : str
-        What it does wrong on its finest levels, those with h <= `below`.
+        Key of `BEHAVIOURS`, applied on the levels with h <= `below`.
     order : float
+        Order of the error.
     below : float
-        [m].
+        Largest h with that behaviour [m].
     journal : str
-        File that gets one line for every run that is solved; "" for none.
+        File to which every run appends one line; "" for none.
     """
 
     behaviour: str = "good"
@@ -62,15 +63,15 @@ class Scripted:
             with Path(self.journal).open("a") as journal:
                 journal.write(f"{self.name} {discretisation.h:g}\n")
         good = transported(problem, discretisation, discretisation.h**self.order)
-        return good if discretisation.h > self.below else MISDEEDS[self.behaviour](good)
+        return good if discretisation.h > self.below else BEHAVIOURS[self.behaviour](good)
 
 
 def transported(problem: Problem, discretisation: Discretisation, error: float) -> Solution:
-    """Solution of periodic advection with an error of constant sign, sampled at the cell centres."""
+    """Return periodic advection sampled at the cell centres, plus a constant error."""
     (cells,), (steps, dt) = discretisation.cells(problem), discretisation.time_steps(problem)
     h, time = discretisation.h, np.linspace(0, problem.end_time, 5)
     centres = (np.arange(cells)[:, None] + 0.5) * h
-    # The studies of these solvers carry a scalar: their material has a velocity.
+    # These solvers run on advection problems only, whose material has a velocity.
     carried = [problem.initial_field("u", centres - problem.material.velocity * t) for t in time]
     return Solution(
         time=time,
@@ -94,7 +95,7 @@ def _with_history(solution: Solution, name: str, values: Array) -> Solution:
 
 def _hang(_: Solution) -> Solution:
     time.sleep(600)
-    raise AssertionError("nobody waits so long")
+    raise AssertionError("the time limit did not end this run")
 
 
 def _raise(_: Solution) -> Solution:
@@ -106,18 +107,18 @@ def _solve_singular(solution: Solution) -> Solution:
     return solution
 
 
-def _dawdle(solution: Solution) -> Solution:
+def _delay(solution: Solution) -> Solution:
     time.sleep(0.3)
     return solution
 
 
-MISDEEDS: Mapping[str, Any] = {
+BEHAVIOURS: Mapping[str, Any] = {
     "good": lambda s: s,
     "raises": _raise,
     "leaves": lambda s: sys.exit(7),
     "dies": lambda s: os._exit(3),
     "hangs": _hang,
-    "dawdles": _dawdle,
+    "dawdles": _delay,
     "returns-nothing": lambda s: None,
     "nan": lambda s: _with_u(s, np.where(s.time[:, None, None] > 0, np.nan, s.fields["u"])),
     "nan-weight": lambda s: replace(s, weight=s.weight * np.nan),
@@ -163,12 +164,12 @@ MISDEEDS: Mapping[str, Any] = {
     "half-weight": lambda s: replace(s, weight=s.weight / 2),
     "singular": _solve_singular,
 }  # fmt: skip
-"""What becomes of a good solution, by behaviour."""
+"""Change of a correct solution, by behaviour."""
 
 
 @dataclass(frozen=True)
 class Unreadable(Scripted):
-    """Cannot be unpickled by a worker process."""
+    """Solver that a worker process cannot unpickle."""
 
     def __reduce__(self) -> Any:
         return _refuse, ()
@@ -185,9 +186,9 @@ def ladder(levels: int = 3) -> Refinement:
 def study(*solvers: Scripted, name: str = "scripted", levels: int = 3, criteria: tuple[Criterion, ...] = SECOND_ORDER) -> Study:
     """Return a study of scripted solvers on one ladder of the Gaussian hill."""
     series = tuple(Series(solver, ladder(levels), criteria) for solver in solvers or (Scripted(),))
-    return Study(name, "Scripted", "Solvers that do as they are told.", (Case("hill", advection(HILL), series, "u"),))
+    return Study(name, "Scripted", "Solvers with a prescribed behaviour.", (Case("hill", advection(HILL), series, "u"),))
 
 
 def plan(path: Path, **choices: Any) -> Plan:
-    """Return a plan that evaluates in this process and knows no baseline."""
+    """Return a plan that solves in this process, without a baseline."""
     return Plan(**({"results": Results(path), "baseline": Baseline(path / "none.json"), "jobs": 0} | choices))

@@ -1,4 +1,4 @@
-"""Solvers in one, two and three dimensions that sample the exact solution, add an error of second order, and misbehave as told."""
+"""Solvers in one to three dimensions that sample the exact solution, add a second-order error, and have a prescribed fault."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -13,13 +13,13 @@ from mpmverify.solution import Solution, Work
 
 @dataclass(frozen=True)
 class Sampled:
-    """Knows the answer at the centres of the cells, and is off by h^2 of each field's size, the same in every component.
+    """Samples the exact solution at the cell centres, and adds h^2 times the size of each field to every component.
 
     Parameters
     ----------
     answer : VerificationProblem
     behaviour : str
-        What it does wrong.
+        Key of `BEHAVIOURS`.
     """
 
     answer: VerificationProblem
@@ -38,7 +38,7 @@ class Sampled:
         return frozenset({"mass", "momentum"})
 
     def size(self, quantity: str) -> float:
-        """Size of a field, whatever the level."""
+        """Return the largest magnitude of an exact field, estimated from the same points on every level."""
         problem = self.answer.problem
         X = np.random.default_rng(0).uniform(problem.lower, problem.upper, (400, problem.dimension))
         X = X if problem.shape is None else X[problem.shape.contains(X)]
@@ -70,7 +70,7 @@ class Sampled:
             histories=histories | energy,
             work=Work(steps, steps * len(X), 0.25),
         )
-        return MISDEEDS[self.behaviour](good)
+        return BEHAVIOURS[self.behaviour](good)
 
 
 def _with_field(solution: Solution, quantity: str, values: Array) -> Solution:
@@ -82,7 +82,7 @@ def _with_histories(solution: Solution, drop: str = "", **values: Array) -> Solu
     return replace(solution, histories=table | values)
 
 
-MISDEEDS: Mapping[str, Any] = {
+BEHAVIOURS: Mapping[str, Any] = {
     "good": lambda s: s,
     "stress-out-of-order": lambda s: _with_field(s, "stress", s.fields["stress"][..., ::-1]),
     "stress-of-nine": lambda s: _with_field(s, "stress", np.repeat(s.fields["stress"], 3, axis=2)),
@@ -99,12 +99,12 @@ MISDEEDS: Mapping[str, Any] = {
     "weight-of-the-box": lambda s: replace(s, weight=s.weight * 2.0),
     "flat-points": lambda s: replace(s, reference=s.reference[:, :1], position=s.position[..., :1]),
 }
-"""What becomes of a good solution, by behaviour."""
+"""Change of a correct solution, by behaviour."""
 
 
 @dataclass(frozen=True)
 class Everywhere:
-    """One solver on bodies in one, two and three dimensions: `Sampled` with the answer to the problem that it is given."""
+    """Solver for several problems of one to three dimensions: `Sampled` with the exact solution of the problem it is given."""
 
     answers: tuple[VerificationProblem, ...]
 

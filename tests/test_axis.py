@@ -1,4 +1,4 @@
-"""What a set of runs refines is read from the runs, whatever their order."""
+"""The refinement axis of a set of runs does not depend on their order."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ KINDS = [
 
 
 @given(st.sampled_from(KINDS), st.permutations(range(4)))
-def test_the_kind_of_refinement(kind, shuffled):
+def test_varied_sizes_and_order_size_of_each_kind_of_refinement(kind, shuffled):
     *columns, varied, size = kind
     found = axis(*(np.asarray(column)[list(shuffled)] for column in columns))
     assert (found.varied, found.size) == (varied, size)
@@ -57,7 +57,7 @@ REFINEMENTS = [
 
 
 @pytest.mark.parametrize(("refinement", "varied", "size"), REFINEMENTS)
-def test_a_refinement_knows_what_it_refines_and_so_do_its_actual_time_steps(refinement, varied, size):
+def test_the_axis_of_a_refinement_agrees_with_its_actual_time_steps(refinement, varied, size):
     assert (refinement.axis.varied, refinement.axis.size) == (varied, size)
     problem = axial_vibration(length=1.0).problem
     dt = [level.time_steps(problem)[1] for level in refinement.levels]
@@ -65,23 +65,23 @@ def test_a_refinement_knows_what_it_refines_and_so_do_its_actual_time_steps(refi
     assert (found.varied, found.size) == (varied, size)
 
 
-def test_labels_are_distinct():
+def test_refinements_have_distinct_labels():
     assert len({refinement.label for refinement, _, _ in REFINEMENTS}) == len(REFINEMENTS)
 
 
-def test_a_design_shares_its_time_steps_between_cell_sizes():
+def test_a_design_uses_the_same_time_steps_for_all_cell_sizes():
     levels = design(25.0, cells=(32, 48, 96), courant=(2, 1, 0.5)).levels
     steps = [level.time_steps(axial_vibration().problem)[1] for level in levels]
     assert len(set(steps)) == 3
     assert len({(level.h, step) for level, step in zip(levels, steps, strict=True)}) == len(levels) == 9
 
 
-def test_at_one_courant_number_a_ladder_in_time_is_one_level():
+def test_a_ladder_in_time_restricted_to_one_courant_number_has_one_level():
     (level,) = in_time(1.0, 8, quick=3, full=4, courant=0.5).with_courant(0.25).levels
     assert level.courant == 0.25
     assert len(halving(1.0, 8, quick=3, full=4, courant=0.5).with_courant(0.25).levels) == 4
 
 
-def test_particles_are_spaced_by_the_cell_size_over_their_number():
+def test_sizes_include_the_particle_spacing():
     found = sizes(np.array([0.5]), np.array([0.1]), np.array([4]))
     assert {name: size.item() for name, size in found.items()} == {"h": 0.5, "dt": 0.1, "1/ppc": 0.25, "h/ppc": 0.125}

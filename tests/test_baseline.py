@@ -1,4 +1,4 @@
-"""The regression gate: it sees what an order cannot, and never takes a baseline for granted."""
+"""The regression gate: detects changes that leave orders unchanged, and validates its baseline file."""
 
 import dataclasses
 import json
@@ -14,7 +14,7 @@ from mpmverify.criteria import Order
 from mpmverify.criteria.evidence import Evidence
 from mpmverify.criteria.norms import NORMS
 from mpmverify.errors import ResultsError
-from mpmverify.judgement.baseline import RELATIVE, Baseline, identified, read_baseline
+from mpmverify.judgement.baseline import RELATIVE, Baseline, norms_by_level, read_baseline
 from mpmverify.judgement.findings import judge_criterion
 
 LIGHT = settings(max_examples=25)
@@ -45,7 +45,7 @@ def with_error(value, level=2, norm=1, quantity="v", source=None) -> Evidence:
 
 def accepted(of: Evidence | None = None, path="unused") -> Baseline:
     baseline = Baseline(path, {}, [dict(ACCEPTED)])
-    baseline.updated(*SERIES, evidence() if of is None else of)
+    baseline.accept_series(*SERIES, evidence() if of is None else of)
     return baseline
 
 
@@ -55,13 +55,13 @@ def verdict(baseline: Baseline, seen: Evidence) -> Verdict:
     return found
 
 
-def test_what_was_accepted_passes():
+def test_accepted_errors_pass():
     found, reason = accepted().judge(*SERIES, evidence())
     assert found is Verdict.PASS
     assert f"{len(H) * 2 * len(NORMS)} errors" in reason
 
 
-def test_a_constant_factor_fails_although_the_order_is_unchanged():
+def test_errors_larger_by_a_constant_factor_fail_although_the_order_is_unchanged():
     order = Order("u", "L2", 1.9, 2.1, "")
     reasons = [judge_criterion(order, evidence(factor))[1] for factor in (1, 1.05)]
     assert reasons[0] == reasons[1]
@@ -78,7 +78,7 @@ def test_a_constant_factor_fails_although_the_order_is_unchanged():
     st.sampled_from(range(len(NORMS))),
     st.sampled_from(["u", "v"]),
 )
-def test_one_error_that_got_worse_fails_and_is_named(factor, level, norm, quantity):
+def test_one_larger_error_fails_and_is_named(factor, level, norm, quantity):
     now = factor * evidence().error[quantity][level, norm]
     found, reason = accepted().judge(*SERIES, with_error(now, level, norm, quantity))
     assert found is Verdict.FAIL
@@ -88,27 +88,27 @@ def test_one_error_that_got_worse_fails_and_is_named(factor, level, norm, quanti
 
 @LIGHT
 @given(st.sampled_from([0.0, 0.5, 1 - 1.5 * RELATIVE]), st.integers(0, len(H) - 1))
-def test_one_error_that_got_better_asks_to_be_explained_and_accepted(factor, level):
+def test_one_smaller_error_is_inconclusive_until_accepted(factor, level):
     found, reason = accepted().judge(*SERIES, with_error(factor * evidence().error["v"][level, 1], level))
     assert found is Verdict.INCONCLUSIVE
     assert "accept the baseline" in reason
 
 
-def test_a_gain_never_outweighs_a_loss():
+def test_a_smaller_error_does_not_outweigh_a_larger_one():
     seen = with_error(0.0, level=0)
     assert verdict(accepted(), with_error(1.0, level=3, source=seen)) is Verdict.FAIL
 
 
 @LIGHT
 @given(st.floats(1 - 0.5 * RELATIVE, 1 + 0.5 * RELATIVE))
-def test_the_last_digits_do_not_count(factor):
+def test_changes_below_the_tolerance_pass(factor):
     assert verdict(accepted(), evidence(factor)) is Verdict.PASS
 
 
 @LIGHT
 @given(st.floats(0, 9e-12), st.floats(0, 9e-12), st.sampled_from([0.0, 1e-3, 1.0, 1e6]))
-def test_round_off_relative_to_the_exact_norm_does_not_count(then, now, size):
-    """Absolutely where the exact norm is zero."""
+def test_changes_within_round_off_of_the_exact_norm_pass(then, now, size):
+    """Round-off is absolute if the exact norm is zero."""
     unit = size or 1.0
     baseline = accepted(with_error(then * unit, source=evidence(size=size)))
     assert verdict(baseline, with_error(now * unit, source=evidence(size=size))) is Verdict.PASS
@@ -118,24 +118,24 @@ def test_round_off_relative_to_the_exact_norm_does_not_count(then, now, size):
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 @pytest.mark.parametrize("level", range(len(H)))
 @pytest.mark.parametrize("known", [True, False])
-def test_an_error_that_is_not_finite_is_an_error_known_or_not(bad, level, known):
+def test_a_non_finite_error_is_an_error_with_and_without_a_baseline(bad, level, known):
     baseline = accepted() if known else accepted(evidence(h=H[:1], quantities=("u",)))
     assert verdict(baseline, with_error(bad, level)) is Verdict.ERROR
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
-def test_an_exact_norm_that_is_not_finite_excuses_nothing(bad):
+def test_a_non_finite_exact_norm_is_an_error(bad):
     seen = evidence(1.5)
     seen.reference["u"][1, 1] = bad
     assert verdict(accepted(), seen) is Verdict.ERROR
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
-def test_a_baseline_that_is_not_finite_excuses_nothing(bad):
+def test_a_non_finite_baseline_is_an_error(bad):
     assert verdict(accepted(with_error(bad)), evidence(1.5)) is Verdict.ERROR
 
 
-def test_a_run_that_did_not_complete_is_an_error_before_any_number():
+def test_an_incomplete_run_is_an_error_before_errors_are_compared():
     outcomes = ("completed", "completed", "timed out", "completed")
     found, reason = Baseline("unused").judge(*SERIES, evidence(outcomes=outcomes))
     assert found is Verdict.ERROR
@@ -151,14 +151,14 @@ def test_a_run_that_did_not_complete_is_an_error_before_any_number():
         (evidence(h=H / 2), evidence(h=H), "h=0.125"),
     ],
 )
-def test_what_one_side_lacks_is_named_and_decides_nothing(known, seen, named):
+def test_levels_or_norms_that_one_side_lacks_are_named_and_inconclusive(known, seen, named):
     found, reason = accepted(known).judge(*SERIES, seen)
     assert found is Verdict.INCONCLUSIVE
     assert named in reason
 
 
 @pytest.mark.parametrize("other", [("x", "tg", "step", "nu_C=0.5"), ("bar", "x", "step", "nu_C=0.5"), (*SERIES[:3], "x")])
-def test_the_baseline_of_another_series_is_none(other):
+def test_the_baseline_of_another_series_is_not_used(other):
     assert accepted().judge(*other, evidence())[0] is Verdict.INCONCLUSIVE
     assert Baseline("unused").judge(*SERIES, evidence())[0] is Verdict.INCONCLUSIVE
 
@@ -172,55 +172,55 @@ def test_the_baseline_of_another_series_is_none(other):
         ([("step", "tg", "nu_C=0.5"), ("step", "zz", "nu_C=0.5"), ("new", "tg", "l")], "tg", ""),
     ],
 )
-def test_series_of_the_baseline_that_were_not_run_are_one_verdict(run, restricted_to, said):
+def test_missing_series_give_one_inconclusive_finding(run, restricted_to, said):
     baseline = accepted()
-    baseline.updated("bar", "zz", "step", "nu_C=0.5", evidence())
-    baseline.updated("another", "tg", "step", "nu_C=0.5", evidence())
-    found = baseline.lacking("bar", run, restricted_to)
+    baseline.accept_series("bar", "zz", "step", "nu_C=0.5", evidence())
+    baseline.accept_series("another", "tg", "step", "nu_C=0.5", evidence())
+    found = baseline.missing_series("bar", run, restricted_to)
     if not said:
         assert found is None
         return
     assert found.verdict is Verdict.INCONCLUSIVE
     assert found.reason.startswith(f"in the baseline, but not in the results {said}")
-    assert ("gone for good" in found.reason) == (not restricted_to), "what was left out on purpose is not gone"
+    assert ("gone for good" in found.reason) == (not restricted_to), "a series that was left out on purpose is not gone"
     assert (found.case, found.solver, found.refinement) not in run
-    assert baseline.lacking("unknown", run, restricted_to) is None
+    assert baseline.missing_series("unknown", run, restricted_to) is None
 
 
-def test_a_loss_is_a_loss_whatever_is_missing_beside_it():
+def test_a_larger_error_fails_even_if_levels_are_missing():
     assert verdict(accepted(evidence(h=H[:2])), evidence(1.05)) is Verdict.FAIL
 
 
-def test_fewer_levels_than_accepted_are_compared_alone():
+def test_fewer_levels_than_accepted_are_compared():
     assert verdict(accepted(), evidence(h=H[:2])) is Verdict.PASS
     assert verdict(accepted(), evidence(1.05, h=H[:2])) is Verdict.FAIL
 
 
 @pytest.mark.parametrize("nothing", [evidence(quantities=()), evidence(h=H[:0])])
-def test_nothing_to_compare_is_no_pass(nothing):
+def test_no_errors_to_compare_is_inconclusive(nothing):
     assert verdict(accepted(nothing), nothing) is Verdict.INCONCLUSIVE
 
 
 @pytest.mark.parametrize("column", ["h", "courant", "ppc"])
-def test_a_level_is_known_by_all_that_discretises_it(column):
+def test_level_names_depend_on_every_discretisation_parameter(column):
     seen = evidence()
     other = dataclasses.replace(seen, **{column: getattr(seen, column) * 3})
-    assert not {name for name, _ in identified(seen)} & {name for name, _ in identified(other)}
+    assert not {name for name, _ in norms_by_level(seen)} & {name for name, _ in norms_by_level(other)}
 
 
-def test_a_level_is_known_by_the_jitter_and_the_seed_of_its_particles_where_there_is_any():
+def test_level_names_depend_on_jitter_and_seed_if_there_is_jitter():
     seen = evidence()
     none, one = np.zeros(len(seen.h)), np.ones(len(seen.h), dtype=int)
     names = [
-        tuple(name for name, _ in identified(dataclasses.replace(seen, jitter=jitter, seed=seed)))
+        tuple(name for name, _ in norms_by_level(dataclasses.replace(seen, jitter=jitter, seed=seed)))
         for jitter, seed in ((None, None), (none, 0 * one), (none + 1e-3, one), (none + 1e-3, 2 * one), (none + 2e-3, one))
     ]
     assert names[0] == names[1]
     assert len(set(names)) == 4
 
 
-def test_a_baseline_holds_its_own_numbers_and_not_the_arrays_that_it_was_made_of():
-    """Accepting must not tie the baseline to what is judged next: compared with itself everything passes."""
+def test_a_baseline_copies_the_accepted_numbers():
+    """If the baseline shared arrays with the evidence, later changes of the evidence would always pass."""
     seen = evidence()
     baseline = accepted(seen)
     assert verdict(baseline, seen) is Verdict.PASS
@@ -229,7 +229,7 @@ def test_a_baseline_holds_its_own_numbers_and_not_the_arrays_that_it_was_made_of
     assert verdict(baseline, seen) is Verdict.FAIL
 
 
-def test_judging_changes_no_baseline():
+def test_judging_does_not_change_the_baseline():
     baseline = accepted()
     before = json.dumps(baseline.entries)
     for factor in (1.05, 0.5, 1.0):
@@ -238,10 +238,10 @@ def test_judging_changes_no_baseline():
     assert json.dumps(baseline.entries) == before
 
 
-def test_accepting_one_series_leaves_the_others_and_its_other_levels():
+def test_accepting_a_series_keeps_other_series_and_its_other_levels():
     baseline = accepted()
-    baseline.updated(*SERIES[:3], "nu_C=0.9", evidence(7))
-    baseline.updated(*SERIES, evidence(3, h=H[:1]))
+    baseline.accept_series(*SERIES[:3], "nu_C=0.9", evidence(7))
+    baseline.accept_series(*SERIES, evidence(3, h=H[:1]))
     assert baseline.judge(*SERIES[:3], "nu_C=0.9", evidence(7))[0] is Verdict.PASS
     found, reason = baseline.judge(*SERIES, evidence(3))
     assert found is Verdict.FAIL
@@ -253,7 +253,7 @@ def test_accepting_one_series_leaves_the_others_and_its_other_levels():
 
 @LIGHT
 @given(factor=st.floats(1e-14, 1e3))
-def test_a_baseline_reads_back_as_it_was_written(tmp_path_factory, factor):
+def test_a_baseline_is_read_back_unchanged(tmp_path_factory, factor):
     path = tmp_path_factory.mktemp("baseline") / "baseline.json"
     written = accepted(evidence(factor), path)
     written.write()
@@ -265,7 +265,7 @@ def test_a_baseline_reads_back_as_it_was_written(tmp_path_factory, factor):
     assert path.read_bytes() == before
 
 
-def test_the_source_says_who_accepted_what_last(tmp_path):
+def test_the_source_gives_date_and_reason_of_the_last_acceptance(tmp_path):
     baseline = accepted()
     baseline.accepted.append({"date": "2026-03-04", "commit": "def", "reason": "a better integrator"})
     assert baseline.source == "baseline accepted on 2026-03-04: a better integrator"
@@ -321,7 +321,7 @@ def test_a_baseline_cut_short_is_refused(tmp_path):
             read_baseline(path)
 
 
-def test_a_path_that_cannot_be_written_or_read_is_named(tmp_path):
+def test_an_error_of_reading_or_writing_names_the_option(tmp_path):
     for path in (tmp_path, tmp_path / "missing" / "baseline.json"):
         with pytest.raises(ResultsError, match="--baseline"):
             accepted(path=path).write()

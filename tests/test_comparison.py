@@ -1,4 +1,4 @@
-"""Comparison of two results folders: every kind of change is seen, counted once and has its direction, and nothing else is."""
+"""Comparison of two results folders: every kind of change is reported once with its direction, and nothing else is."""
 
 import dataclasses
 import math
@@ -36,8 +36,8 @@ LEVELS = 3
 
 
 @dataclasses.dataclass(frozen=True)
-class Worked(Scripted):
-    """Reports another cost, and an error that is larger by a factor."""
+class CostlySolver(Scripted):
+    """Solver with a given number of steps, time and factor of its error."""
 
     steps: int = 1
     seconds: float = 0.25
@@ -71,35 +71,35 @@ def listed(comparison: Comparison) -> Counter:
 
 NORMS_OF_U = LEVELS * len(NORMS)
 UNFINISHED = Scripted("unstable", below=0.04)
-"""Fails on the finest of its three levels; `below` 0 is a twin of the same name that never does."""
+"""Fails on the finest of its three levels; with `below` 0, a solver of the same name does not fail."""
 FINISHED = dataclasses.replace(UNFINISHED, below=0.0)
 
 
 @pytest.mark.parametrize(
     ("before", "after", "expected"),
     [
-        # Every error, the order and the verdict on it: a first order where the second was.
+        # First instead of second order: every error, the orders and the verdict are worse.
         (
-            study(Worked()),
-            study(Worked(order=1.0)),
+            study(CostlySolver()),
+            study(CostlySolver(order=1.0)),
             {("worse", "verdict"): 1, ("worse", "error"): NORMS_OF_U, ("worse", "order"): len(NORMS)},
         ),
-        # A constant factor leaves the order as it was.
-        (study(Worked()), study(Worked(factor=1.02)), {("worse", "error"): NORMS_OF_U}),
-        (study(Worked()), study(Worked(factor=1 + 0.5 * RELATIVE)), {}),
-        # One run that fails takes with it the verdicts on its series: two of verification, one of regression.
+        # A constant factor leaves the order unchanged.
+        (study(CostlySolver()), study(CostlySolver(factor=1.02)), {("worse", "error"): NORMS_OF_U}),
+        (study(CostlySolver()), study(CostlySolver(factor=1 + 0.5 * RELATIVE)), {}),
+        # A failed run changes all verdicts on its series: two of verification, one of regression.
         (study(FINISHED), study(UNFINISHED), {("worse", "outcome"): 1, ("worse", "verdict"): 3}),
-        # Work is exact; the particles or elements times steps say nothing more.
-        (study(Worked()), study(Worked(steps=3)), {("slower", "steps"): LEVELS}),
-        (study(Worked()), study(Worked(seconds=0.5)), {("slower", "seconds"): 1}),
-        (study(Worked()), study(Worked(seconds=0.25 * 1.2)), {}),
-        (study(Worked(seconds=SECONDS / 30)), study(Worked(seconds=SECONDS / 6)), {}),
-        (study(Worked(seconds=SECONDS / 30)), study(Worked(seconds=1.0)), {("slower", "seconds"): 1}),
-        # Parts: each is named once, by the largest that is missing.
-        (study(Worked(), FINISHED), study(Worked()), {("lost", "solver"): 1}),
+        # Changed steps are reported once, and point-steps not in addition.
+        (study(CostlySolver()), study(CostlySolver(steps=3)), {("slower", "steps"): LEVELS}),
+        (study(CostlySolver()), study(CostlySolver(seconds=0.5)), {("slower", "seconds"): 1}),
+        (study(CostlySolver()), study(CostlySolver(seconds=0.25 * 1.2)), {}),
+        (study(CostlySolver(seconds=SECONDS / 30)), study(CostlySolver(seconds=SECONDS / 6)), {}),
+        (study(CostlySolver(seconds=SECONDS / 30)), study(CostlySolver(seconds=1.0)), {("slower", "seconds"): 1}),
+        # Missing parts: only the largest missing part is reported.
+        (study(CostlySolver(), FINISHED), study(CostlySolver()), {("lost", "solver"): 1}),
         (study(levels=4), study(), {("lost", "level"): 1}),
         (study(criteria=SECOND_ORDER), study(criteria=SECOND_ORDER[:1]), {("lost", "criterion"): 1}),
-        # A band that was moved is another criterion: what it judged before is judged no longer.
+        # A changed band makes another criterion: the old one is lost and a new one appears.
         (
             study(criteria=(Order("u", "L2", 1.9, 2.1, "theory"),)),
             study(criteria=(Order("u", "L2", 1.0, 2.1, "theory"),)),
@@ -114,7 +114,7 @@ FINISHED = dataclasses.replace(UNFINISHED, below=0.0)
         (study(), study(name="another"), {("lost", "study"): 1, ("new", "study"): 1}),
     ],
 )
-def test_each_kind_of_change_is_seen_counted_and_has_its_direction_both_ways(tmp_path, before, after, expected):
+def test_each_kind_of_change_is_counted_with_its_direction_both_ways(tmp_path, before, after, expected):
     a, b = stored(tmp_path / "a", before), stored(tmp_path / "b", after)
     there, back = compare(a, b), compare(b, a)
     assert counts(there) == expected
@@ -123,18 +123,18 @@ def test_each_kind_of_change_is_seen_counted_and_has_its_direction_both_ways(tmp
     assert compare(a, a).changes == compare(b, b).changes == ()
 
 
-def test_what_the_baseline_has_and_was_not_run_is_lost_and_no_worse(tmp_path):
-    whole, known = study(Worked(), FINISHED), Baseline(tmp_path / "baseline.json")
+def test_a_series_of_the_baseline_that_was_not_run_is_lost_and_not_worse(tmp_path):
+    whole, known = study(CostlySolver(), FINISHED), Baseline(tmp_path / "baseline.json")
     stored(tmp_path, whole)
     accept(known, Results(tmp_path).studies(), "the first")
     known.write()
     a = stored(tmp_path / "a", whole, baseline=known)
-    b = stored(tmp_path / "b", whole.restricted((Worked().name,)), baseline=known)
+    b = stored(tmp_path / "b", whole.restricted((CostlySolver().name,)), baseline=known)
     assert counts(compare(a, b)) == {("lost", "solver"): 1}
 
 
 def test_a_change_says_where_it_is_and_how_large(tmp_path):
-    a, b = stored(tmp_path / "a", study(Worked())), stored(tmp_path / "b", study(Worked(factor=3.0)))
+    a, b = stored(tmp_path / "a", study(CostlySolver())), stored(tmp_path / "b", study(CostlySolver(factor=3.0)))
     for change in compare(a, b).changes:
         assert (change.study, change.case, change.solver) == ("scripted", "hill", "scripted-good")
         assert (change.refinement, change.name.split()[0]) == ("nu_C=0.5", "u")
@@ -143,9 +143,9 @@ def test_a_change_says_where_it_is_and_how_large(tmp_path):
         assert change.size == pytest.approx(math.log(3))
 
 
-def test_verdicts_are_stored_ones_and_regression_is_read_beside_the_errors(tmp_path):
-    """A folder that was judged before its baseline was accepted gets better by the acceptance alone, and is told so once."""
-    a = stored(tmp_path / "a", study(Worked(), FINISHED))
+def test_regression_verdicts_of_a_study_are_grouped(tmp_path):
+    """Accepting a baseline improves the regression verdicts of all series; they are displayed as one change."""
+    a = stored(tmp_path / "a", study(CostlySolver(), FINISHED))
     keys = [key for key in a.verdicts if key[1].startswith("regression")]
     assert len(keys) == 2
     b = dataclasses.replace(a, verdicts=dict(a.verdicts) | dict.fromkeys(keys, Verdict.PASS))
@@ -193,7 +193,7 @@ def tables(draw) -> Tables:
 
 @LIGHT
 @given(tables(), tables())
-def test_to_compare_the_other_way_round_swaps_the_directions_and_nothing_else(a, b):
+def test_swapping_the_folders_only_swaps_the_directions(a, b):
     there, back = compare(a, b), compare(b, a)
     assert listed(back) == mirrored(there)
     assert (there.before, there.after, there.compared) == (back.after, back.before, back.compared)
@@ -210,7 +210,7 @@ def test_a_folder_compared_with_itself_shows_no_difference(a):
 
 @LIGHT
 @given(tables(), tables())
-def test_what_is_missing_is_named_once_by_the_largest_part(a, b):
+def test_missing_entries_are_reported_once_by_the_largest_missing_part(a, b):
     lost = [c for c in compare(a, b).changes if c.direction is Direction.LOST and c.kind not in (Kind.CRITERION, Kind.NORM)]
     for series, level in a.runs:
         of = dataclasses.asdict(Change(Direction.LOST, Kind.LEVEL, *series, level))
@@ -223,7 +223,7 @@ def test_what_is_missing_is_named_once_by_the_largest_part(a, b):
 
 @LIGHT
 @given(tables(), tables())
-def test_the_worst_comes_first_and_no_number_that_is_none_is_better(a, b):
+def test_changes_are_sorted_worst_first_and_non_finite_errors_are_worse(a, b):
     comparison = compare(a, b)
     order = list(Direction)
     ranks = [order.index(change.direction) for change in comparison.changes]
@@ -237,7 +237,9 @@ def test_the_worst_comes_first_and_no_number_that_is_none_is_better(a, b):
 
 @LIGHT
 @given(st.floats(1, 3), st.floats(0.001, 0.5), st.floats(1, 3), st.floats(0.001, 0.5), st.booleans(), st.booleans())
-def test_an_order_changes_where_intervals_lie_apart_over_the_same_levels_and_an_error_changed(p, by, q, about, alike, changed):
+def test_an_order_changes_if_an_error_changed_and_intervals_over_the_same_levels_do_not_overlap(
+    p, by, q, about, alike, changed
+):
     series, name = SeriesKey("s", "c", "x", "r"), "u L2"
 
     def folder(order, width, error, levels):
@@ -257,7 +259,7 @@ def test_an_order_changes_where_intervals_lie_apart_over_the_same_levels_and_an_
 
 @LIGHT
 @given(st.floats(0, 1), st.floats(0, 1), st.sampled_from([0.0, 1.0, 1e6]))
-def test_an_error_changes_by_the_rule_of_the_regression_gate(then, now, size):
+def test_errors_are_compared_by_the_rule_of_the_regression_gate(then, now, size):
     key = (SeriesKey("s", "c", "x", "r"), "h=1")
     before, after = (
         Tables({}, {key: Run("completed", 1, 1, 1.0)}, {(*key, "u L2"): (error, size)}, {}, {}) for error in (then, now)
@@ -274,7 +276,7 @@ def with_error(error, size):
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_an_error_that_is_not_finite_is_worse_than_any_that_is(bad):
+def test_a_non_finite_error_is_worse_than_every_finite_one(bad):
     there = compare(with_error(1e9, 1.0), with_error(bad, 1.0))
     assert counts(there) == {("worse", "error"): 1}
     assert there.exit_status == 1
@@ -282,19 +284,19 @@ def test_an_error_that_is_not_finite_is_worse_than_any_that_is(bad):
     assert compare(with_error(bad, 1.0), with_error(math.nan, 1.0)).changes == ()
 
 
-def test_a_run_that_broke_off_is_not_faster():
+def test_an_incomplete_run_is_not_faster():
     key = (SeriesKey("s", "c", "x", "r"), "h=1")
     before, after = (Tables({}, {key: of}, {}, {}, {}) for of in (Run("completed", 9, 9, 9.0), Run("unstable", 1, 1, 1.0)))
     assert counts(compare(before, after)) == {("worse", "outcome"): 1}
 
 
-def test_round_off_is_that_of_the_larger_exact_norm():
+def test_round_off_is_relative_to_the_larger_exact_norm():
     small, large = with_error(0.0, 1e-3), with_error(5e-8, 1e4)
     assert compare(small, large).changes == compare(large, small).changes == ()
 
 
 @given(st.lists(st.floats(1, 100), min_size=1, max_size=9), st.floats(0.1, 10))
-def test_seconds_that_grow_alike_are_slower_beyond_the_ratio_alone(seconds, ratio):
+def test_a_solver_is_slower_if_all_seconds_grow_beyond_the_ratio(seconds, ratio):
     def timed(by):
         series = SeriesKey("s", "c", "x", "r")
         return Tables({}, {(series, f"h={k}"): Run("completed", 1, 1, s * by) for k, s in enumerate(seconds)}, {}, {}, {})
@@ -308,7 +310,7 @@ def test_seconds_that_grow_alike_are_slower_beyond_the_ratio_alone(seconds, rati
         assert directions == []
 
 
-def test_one_run_that_was_disturbed_makes_no_solver_slower():
+def test_a_few_disturbed_runs_do_not_make_a_solver_slower():
     series = SeriesKey("s", "c", "x", "r")
     calm = {(series, f"h={k}"): Run("completed", 1, 1, 1.0) for k in range(4)}
     disturbed = calm | {(series, f"h={k}"): Run("completed", 1, 1, 60.0) for k in range(2)}
@@ -343,7 +345,7 @@ def past(**changes):
         (past(), past() | {"t": past(commit="c")["s"]}, "B holds studies of 2 commits"),
     ],
 )
-def test_what_limits_a_comparison_is_said(before, after, caution):
+def test_cautions_say_what_limits_the_comparison(before, after, caution):
     sentences = compare(Tables(before, {}, {}, {}, {}), Tables(after, {}, {}, {}, {})).cautions
     assert len(sentences) == bool(caution)
     assert all(sentence.startswith(caution) for sentence in sentences)
@@ -358,13 +360,13 @@ def call(*arguments):
 
 @pytest.fixture
 def two(tmp_path):
-    """Two folders; in the second, every error is larger."""
-    stored(tmp_path / "a", study(Worked()))
-    stored(tmp_path / "b", study(Worked(factor=2.0)))
+    """Two results folders; in the second, every error is larger."""
+    stored(tmp_path / "a", study(CostlySolver()))
+    stored(tmp_path / "b", study(CostlySolver(factor=2.0)))
     return tmp_path / "a", tmp_path / "b"
 
 
-def test_the_command_says_what_is_worse_and_exits_with_1(two):
+def test_the_command_lists_worse_errors_and_exits_with_1(two):
     result = call("compare", *two)
     assert result.exit_code == 1
     assert re.search(r"WORSE\W+error\W+scripted / hill", result.output)
@@ -375,7 +377,7 @@ def test_the_command_says_what_is_worse_and_exits_with_1(two):
     assert call("compare", *two, "--explain").output.count("WORSE") == NORMS_OF_U
 
 
-def test_a_copy_shows_no_difference_and_nothing_is_changed(two, tmp_path):
+def test_comparing_with_a_copy_shows_no_change_and_writes_nothing(two, tmp_path):
     shutil.copytree(two[0], tmp_path / "copy")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     result = call("compare", two[0], tmp_path / "copy")
@@ -430,7 +432,7 @@ def test_a_file_that_cannot_be_compared_is_named_in_one_sentence(two, side, dama
         read_tables([two[side] / "scripted.nc"])
 
 
-def test_two_folders_are_named_and_hold_results(two, tmp_path):
+def test_two_different_folders_with_results_are_required(two, tmp_path):
     for arguments, part in (
         ([two[0], two[0]], "A and B are both"),
         ([two[0], two[1] / ".." / "a"], "A and B are both"),
@@ -456,7 +458,7 @@ def test_the_size_of_a_change_has_a_sign(capsys, factor, shown):
     assert re.search(rf"│ {re.escape(shown)} *│", capsys.readouterr().out)
 
 
-def test_the_list_of_each_kind_is_cut_and_says_so(capsys):
+def test_the_list_of_changes_is_truncated_with_a_note(capsys):
     def folder(verdict):
         keys = [(SeriesKey("s[b]", "c", f"solver {k}", "r"), "verification: [/] order") for k in range(40)]
         runs = {(series, "h=1"): Run("completed", 1, 1, 1.0) for series, _ in keys}
@@ -473,17 +475,17 @@ def test_the_list_of_each_kind_is_cut_and_says_so(capsys):
     assert capsys.readouterr().out.count("BETTER") == 40
 
 
-def test_conservation_that_broke_is_worse(tmp_path):
-    """A verdict can change where no error does."""
+def test_a_lost_conservation_property_is_worse(tmp_path):
+    """A verdict can change although no error does."""
     criteria = (Balance("mass", "", "made so"),)
-    a = stored(tmp_path / "a", study(Worked(), criteria=criteria))
+    a = stored(tmp_path / "a", study(CostlySolver(), criteria=criteria))
     b = stored(tmp_path / "b", study(Leaking(), criteria=criteria))
     assert counts(compare(a, b)) == {("worse", "verdict"): 1}
 
 
 @dataclasses.dataclass(frozen=True)
-class Leaking(Worked):
-    """Loses mass on the way."""
+class Leaking(CostlySolver):
+    """Solver that loses mass over time."""
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
         good = super().solve(problem, discretisation)
@@ -492,8 +494,8 @@ class Leaking(Worked):
 
 
 @pytest.mark.parametrize("bands", [(1.9, 2.9), (2.9, 1.9)])
-def test_of_criteria_that_share_their_title_the_worst_verdict_is_compared(tmp_path, monkeypatch, bands):
+def test_the_worst_verdict_of_criteria_with_the_same_title_is_compared(tmp_path, monkeypatch, bands):
     criteria = tuple(Order("u", "L2", low, low + 0.2, "made so") for low in bands)
     monkeypatch.setattr(Order, "title", "twice")
-    tables = stored(tmp_path, study(Worked(), criteria=criteria))
+    tables = stored(tmp_path, study(CostlySolver(), criteria=criteria))
     assert [verdict for (_, title), verdict in tables.verdicts.items() if title == "verification: twice"] == [Verdict.FAIL]

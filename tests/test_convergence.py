@@ -1,4 +1,4 @@
-"""The analysis of an error series: exact on power laws, honest about noise, and able to tell one kind of series from another."""
+"""Analysis of error series: orders of power laws, intervals under noise, floors, classification, and the verdict."""
 
 import math
 
@@ -34,7 +34,7 @@ def power_law(h, order, finest=1e-8):
 
 @LIGHT
 @given(ladders(), ORDERS, st.randoms(use_true_random=False))
-def test_a_power_law_has_its_order_whatever_the_ratios_and_the_order_of_the_levels(h, order, random):
+def test_the_order_of_a_power_law_is_found_at_any_ratios_and_in_any_order_of_levels(h, order, random):
     shuffled = random.sample(range(len(h)), len(h))
     series = analyse(h[shuffled], power_law(h, order)[shuffled])
     assert series.h.tolist() == sorted(h.tolist(), reverse=True)
@@ -48,8 +48,8 @@ def test_a_power_law_has_its_order_whatever_the_ratios_and_the_order_of_the_leve
     assert series.dropped == ()
 
 
-def test_orders_are_those_of_the_sizes_and_not_of_the_indices():
-    """Ratios 4 and 2 of a first-order series: by index it would seem of order 1.5."""
+def test_orders_use_the_sizes_and_not_the_indices_of_levels():
+    """A first-order series with ratios 4 and 2: orders computed from indices would be 1.5 on average."""
     series = analyse([0.125, 1.0, 0.25], [0.125, 1.0, 0.25])
     np.testing.assert_allclose(series.pairwise, [1, 1])
     assert series.fit is not None
@@ -58,7 +58,7 @@ def test_orders_are_those_of_the_sizes_and_not_of_the_indices():
 
 @LIGHT
 @given(ladders(4), st.lists(st.floats(-1, 1), min_size=8, max_size=8), st.floats(1e-2, 1e2), st.floats(1e-3, 1e3))
-def test_neither_the_unit_of_the_error_nor_that_of_the_size_matters(h, scatter, error_unit, length_unit):
+def test_orders_do_not_depend_on_the_units_of_error_and_size(h, scatter, error_unit, length_unit):
     error = power_law(h, 1.5, finest=1e-6) * np.exp(scatter[: len(h)])
     one, other = analyse(h, error), analyse(h * length_unit, error * error_unit)
     assert one.fit is not None
@@ -89,7 +89,7 @@ def test_permuting_the_levels_changes_nothing(h, errors, data):
 
 @LIGHT
 @given(ladders(1), st.lists(st.sampled_from([0.0, 1e-14, 1e-5, 1e-3, 0.2, 1.0, np.nan, np.inf]), min_size=8, max_size=8))
-def test_every_level_that_is_not_used_is_named_with_the_reason(h, errors):
+def test_every_dropped_level_is_named_with_the_reason(h, errors):
     series = analyse(h, np.array(errors[: len(h)]))
     if series.classification is Classification.NON_FINITE:
         assert not series.kept.any()
@@ -103,8 +103,8 @@ def test_every_level_that_is_not_used_is_named_with_the_reason(h, errors):
 
 
 @pytest.mark.parametrize(("levels", "noise"), [(3, 0.02), (5, 0.2), (8, 0.1)])
-def test_the_interval_covers_the_true_order_as_often_as_it_says(levels, noise):
-    """0.95 within three standard deviations of 800 draws; leaving out a start that fits badly may cost two points more."""
+def test_the_interval_covers_the_true_order_with_its_nominal_probability(levels, noise):
+    """0.95 within three standard deviations of 800 draws; dropping coarse levels may lower it by another 0.02."""
     generator = np.random.default_rng(levels)
     h = HALVED[:levels]
     fitted = analysed = shortened = 0
@@ -125,7 +125,7 @@ def test_two_levels_give_an_order_without_an_interval():
     assert (fit.order, fit.low, fit.high) == (pytest.approx(2), -math.inf, math.inf)
 
 
-def test_a_straight_line_that_no_double_can_hold_still_has_a_slope():
+def test_a_fit_whose_constant_overflows_still_has_an_order():
     fit = fit_order(np.array([1e-6, 5e-7, 2.5e-7]), np.array([1.0, 2.0**-76, 2.0**-152]))
     assert fit.order == pytest.approx(76)
     assert fit.constant == math.inf
@@ -139,7 +139,7 @@ def test_a_straight_line_that_no_double_can_hold_still_has_a_slope():
     st.floats(1e-3, 1e3),
     st.integers(5, 8),
 )
-def test_a_floor_is_recovered_with_the_order_above_it(order, floor, constant, unit, levels):
+def test_fit_floor_recovers_the_floor_and_the_order(order, floor, constant, unit, levels):
     h = unit * HALVED[:levels]
     error = floor + constant * floor * (h / h[levels // 2]) ** order
     fit = fit_floor(h, error)
@@ -151,7 +151,7 @@ def test_a_floor_is_recovered_with_the_order_above_it(order, floor, constant, un
 
 @LIGHT
 @given(st.floats(1.0, 4), st.floats(1e-9, 1e-2), st.integers(5, 8))
-def test_a_series_that_ends_on_a_floor_is_told_so(order, floor, levels):
+def test_a_series_with_a_floor_is_classified_so(order, floor, levels):
     h = HALVED[:levels]
     series = analyse(h, floor * (1 + (h / h[-3]) ** order))
     assert series.classification is Classification.OTHER_FLOOR
@@ -183,12 +183,12 @@ def test_a_series_that_ends_on_a_floor_is_told_so(order, floor, levels):
         (np.array([0.25]), Classification.TOO_SHORT),
     ],
 )
-def test_kinds_of_series(error, kind):
+def test_classification(error, kind):
     assert analyse(HALVED[: len(error)], error).classification is kind
 
 
 @pytest.mark.parametrize("rate", [0.8, 3.0])
-def test_superconvergence_is_relative_to_what_is_expected(rate):
+def test_superconvergence_depends_on_the_expected_band(rate):
     error = HALVED**rate
     assert analyse(HALVED, error).classification is Classification.ASYMPTOTIC
     above = analyse(HALVED, error, expected=(rate - 0.5, rate - 0.2)).classification
@@ -196,7 +196,7 @@ def test_superconvergence_is_relative_to_what_is_expected(rate):
     assert analyse(HALVED, error, expected=(rate - 0.5, rate + 0.2)).classification is Classification.ASYMPTOTIC
 
 
-def test_a_start_that_is_not_asymptotic_is_left_out_and_named():
+def test_pre_asymptotic_coarse_levels_are_dropped_and_named():
     error = HALVED**2
     error[:2] = [0.3, 0.22]
     series = analyse(HALVED, error)
@@ -207,14 +207,14 @@ def test_a_start_that_is_not_asymptotic_is_left_out_and_named():
     assert series.fit.order == pytest.approx(2)
 
 
-def test_no_level_is_left_out_for_its_last_digits():
+def test_no_level_is_dropped_for_a_tiny_deviation():
     for relative in (1e-15, 1e-9, 1e-4):
         assert analyse(HALVED, HALVED**2 * (1 + relative * (HALVED == 1))).kept.all()
 
 
 @LIGHT
 @given(ladders(), st.lists(st.floats(-3, 3), min_size=8, max_size=8))
-def test_a_level_above_round_off_is_only_left_out_from_the_coarse_end_and_never_below_four(h, scatter):
+def test_above_round_off_only_the_coarsest_levels_are_dropped_and_four_are_kept(h, scatter):
     series = analyse(h, np.maximum(np.exp(scatter[: len(h)]), 2 * ROUND_OFF))
     kept = np.flatnonzero(series.kept)
     assert kept[-1] == len(h) - 1
@@ -222,7 +222,7 @@ def test_a_level_above_round_off_is_only_left_out_from_the_coarse_end_and_never_
     assert len(kept) >= min(4, len(h))
 
 
-def test_levels_at_round_off_are_left_out_wherever_they_stand():
+def test_levels_at_round_off_are_dropped_at_any_position():
     error = HALVED**4
     error[[3, 7]] = [0.0, ROUND_OFF]
     series = analyse(HALVED, error)
@@ -238,7 +238,7 @@ def test_pairwise_orders_are_nan_where_an_error_is_zero_or_not_finite():
 
 
 def test_alternating_convergence_has_a_wide_interval():
-    """Odd and even levels of one order lie on two lines: no three of them may give a sharp order."""
+    """Odd and even levels lie on two parallel lines, so that the order is uncertain."""
     for levels in (4, 5, 6):
         error = HALVED[:levels] ** 2 * np.where(np.arange(levels) % 2, 1.0, 3.0)
         fit = analyse(HALVED[:levels], error).fit
@@ -248,7 +248,7 @@ def test_alternating_convergence_has_a_wide_interval():
 
 @LIGHT
 @given(ladders(2, 5), ORDERS, st.floats(0.05, 2), st.floats(0.01, 1))
-def test_the_finest_step_is_the_logarithm_by_which_it_leaves_the_band(h, order, width, beyond):
+def test_finest_step_is_the_log_deviation_from_the_band(h, order, width, beyond):
     series = analyse(h, power_law(h, order))
     step = math.log(h[-2] / h[-1])
     assert series.finest_step(order - width, order + width) == 0
@@ -268,7 +268,7 @@ def test_the_finest_step_is_the_logarithm_by_which_it_leaves_the_band(h, order, 
         ((2.0, 1.7), 0.0, False),
     ],
 )
-def test_a_trend_of_the_order_shows_in_the_last_three(orders, change, lasts):
+def test_trend_of_the_last_three_orders(orders, change, lasts):
     h = HALVED[: len(orders) + 1]
     error = np.exp(-np.log(2) * np.cumsum([0.0, *orders]))
     found = analyse(h, error).trend()
@@ -292,14 +292,14 @@ def test_a_trend_of_the_order_shows_in_the_last_three(orders, change, lasts):
         ((2.1, 2.0, 2.0), False),
     ],
 )
-def test_an_order_outside_the_band_approaches_it_when_it_is_likely_to_get_there(orders, approaches):
+def test_approaches_predicts_whether_the_order_reaches_the_band(orders, approaches):
     error = np.exp(-np.log(2) * np.cumsum([0.0, *orders]))
     assert analyse(HALVED[: len(error)], error).approaches(1.8, 2.2) is approaches
 
 
 @LIGHT
 @given(ladders(3, 8), ORDERS, st.floats(-2, 2))
-def test_two_steps_together_do_not_see_what_alternates(h, order, amplitude):
+def test_last_two_steps_cancel_an_alternating_error(h, order, amplitude):
     error = power_law(h, order, 1e-3) * np.exp(amplitude * (-1.0) ** np.arange(len(h)))
     series = analyse(h, error)
     if series.kept.all():
@@ -309,12 +309,12 @@ def test_two_steps_together_do_not_see_what_alternates(h, order, amplitude):
 
 
 @pytest.mark.parametrize(("last", "plunges"), [(0.0, True), (1e-13, True), (2.0**-14, False)])
-def test_an_error_that_is_suddenly_exact_plunges(last, plunges):
+def test_an_error_that_drops_to_round_off_in_one_step_plunges(last, plunges):
     error = np.append(HALVED[:7] ** 2, last)
     assert analyse(HALVED, error).plunges(2.2) is plunges
 
 
-def test_an_error_that_reaches_round_off_at_its_order_does_not_plunge():
+def test_an_error_that_reaches_round_off_at_the_expected_order_does_not_plunge():
     series = analyse(HALVED[:6], 1e-2 * HALVED[:6] ** 8)
     assert not series.kept.all()
     assert not series.plunges(8.2)
@@ -334,19 +334,19 @@ def test_an_error_that_reaches_round_off_at_its_order_does_not_plunge():
         ([1.0, 0.5], [1.0, -0.5]),
     ],
 )
-def test_series_that_cannot_mean_anything_are_refused(h, error):
+def test_invalid_series_are_refused(h, error):
     with pytest.raises(UsageError):
         analyse(h, error)
 
 
 @pytest.mark.parametrize("bad", [[1j, 1.0], np.array([1j, 1.0]), ["a", "b"], [[1.0], [1.0, 2.0]]])
-def test_what_is_no_number_is_refused(bad):
+def test_entries_that_are_not_real_numbers_are_refused(bad):
     for arguments in ((bad, [1.0, 0.5]), ([1.0, 0.5], bad)):
         with pytest.raises(UsageError, match="real numbers"):
             analyse(*arguments)
 
 
-# Whatever holds numbers.
+# Containers of numbers.
 
 SIZES, ERRORS = [0.125, 1.0, 0.25, 0.5], [0.03, 2.1, 0.11, 0.5]
 TABLE = pd.DataFrame({"h": SIZES, "error": ERRORS})
@@ -368,7 +368,7 @@ LEVELS = xr.Dataset({"error": ("level", ERRORS)}, coords={"h": ("level", SIZES),
         (xr.DataArray(ERRORS, dims="cell_size", coords={"cell_size": SIZES}),),
     ],
 )
-def test_a_series_is_the_same_from_whatever_holds_it(arguments):
+def test_all_containers_give_the_same_series(arguments):
     one, other = analyse(*arguments), analyse(SIZES, ERRORS)
     np.testing.assert_array_equal(one.h, other.h)
     np.testing.assert_array_equal(one.error, other.error)
@@ -376,19 +376,19 @@ def test_a_series_is_the_same_from_whatever_holds_it(arguments):
 
 
 @pytest.mark.parametrize("series", [SIZES, np.array(SIZES), xr.DataArray(ERRORS, dims="level"), TABLE])
-def test_errors_alone_must_carry_their_sizes(series):
+def test_errors_without_sizes_are_refused(series):
     with pytest.raises(UsageError):
         analyse(series)
 
 
-def test_what_is_masked_or_missing_is_not_finite():
+def test_masked_and_missing_errors_are_not_finite():
     masked = np.ma.masked_array([1.0, 0.25, 1 / 16, 1 / 64], mask=[False, True, False, False])
     assert analyse(HALVED[:4], masked).classification is Classification.NON_FINITE
     missing = pd.Series([1.0, None, 1 / 16, 1 / 64], index=HALVED[:4])
     assert verdict(missing, band=(1.8, 2.2))[0] is Verdict.ERROR
 
 
-# The verdict in one call.
+# The verdict.
 
 
 @pytest.mark.parametrize(
@@ -407,13 +407,13 @@ def test_what_is_masked_or_missing_is_not_finite():
         (np.where(HALVED == 0.25, np.inf, HALVED**2), None, Verdict.ERROR),
     ],
 )
-def test_verdict_in_one_call(error, band, expected):
+def test_verdict_on_a_series(error, band, expected):
     found, reason = verdict(HALVED, error, band=band)
     assert found is expected
     assert reason
 
 
-def test_without_a_band_the_order_is_told_and_the_reason_why_it_does_not_pass():
+def test_without_a_band_the_reason_gives_the_order_and_says_that_nothing_passes():
     _, reason = verdict(HALVED, HALVED**2)
     assert reason.startswith("order 2.000, interval [2.000, 2.000] from 8 levels (asymptotic)")
     assert reason.endswith("without a band to expect it in, no order passes")
@@ -422,19 +422,19 @@ def test_without_a_band_the_order_is_told_and_the_reason_why_it_does_not_pass():
 @pytest.mark.parametrize(
     "band", [(2.2, 1.8), (2.0, 2.0), (math.nan, 2.2), (1.8, math.nan), (1,), (), (1, 2, 3), 2.0, "12", "second"]
 )
-def test_a_band_that_is_none_is_refused(band):
+def test_an_invalid_band_is_refused(band):
     with pytest.raises(UsageError, match="band"):
         verdict(HALVED, HALVED**2, band=band)
 
 
 @pytest.mark.parametrize("size", [np.nextafter(0.1, 1), 0.1 * (1 - 9e-7)])
-def test_two_sizes_that_differ_in_the_last_digits_are_no_refinement(size):
+def test_sizes_that_differ_only_in_the_last_digits_count_as_equal(size):
     with pytest.raises(UsageError, match=r"h=0\.1 is given twice"):
         verdict([0.4, 0.2, 0.1, size], [16, 4, 1, 1], band=(1.8, 2.2))
     assert verdict([0.4, 0.2, 0.1, 0.1 * (1 - 1e-3)], [16, 4, 1, 1 - 2e-3], band=(1.8, 2.2))[0] is Verdict.PASS
 
 
 @pytest.mark.parametrize(("h", "error"), [([10**400, 1, 2], [1, 2, 3]), ([4, 2, 1], [10**400, 1, 2])])
-def test_a_number_that_no_float_holds_is_refused(h, error):
+def test_a_number_that_overflows_a_float_is_refused(h, error):
     with pytest.raises(UsageError, match="must be real numbers"):
         verdict(h, error)

@@ -655,7 +655,7 @@ def test_a_criterion_of_a_missing_series_raises_an_error(tmp_path):
     without = tree["scripted-good"].to_dataset(inherit=False).drop_dims("criterion")
     tree["scripted-good"].dataset = with_criteria(without, "scripted-good", absent)
     write_tree(path, tree)
-    with pytest.raises(ResultsError, match=r"is to hold of scripted/hill/scripted-good \(nu_C=9\), which is not there"):
+    with pytest.raises(ResultsError, match=r"is declared for scripted/hill/scripted-good \(nu_C=9\), which has no results"):
         gate(path, Baseline(tmp_path / "none"))
 
 

@@ -1,4 +1,4 @@
-"""Verdicts: every criterion passes, fails, doubts and errs where it must; a wrong PASS is the worst thing that can happen."""
+"""Verdicts of every criterion: PASS, FAIL, INCONCLUSIVE and ERROR on examples, and conditions under which nothing may pass."""
 
 import dataclasses
 import json
@@ -47,8 +47,8 @@ PASS, INCONCLUSIVE, FAIL, ERROR = Verdict.PASS, Verdict.INCONCLUSIVE, Verdict.FA
 ORDER = Order("u", "L2", 1.8, 2.2, "theory")
 PUBLISHED = Published("u", "L2", tuple((float(h), float(f"{3 * h**2:.2e}")) for h in H), 3, "paper")
 DISPERSION = Dispersion("tg-lumped", "u", 2.0, 1e-10, "theory")
-PHASE = PhaseError("u", 2, 0.2, "theory", "tg-consistent-3", 72.0)  # at nu_C = 1/2 it is ahead by theta^2/24
-DECAY = AmplitudeDecay("u", 3, 0.2, "theory", "tg-lumped", 64.0)  # at nu_C = 1/2 it loses 3/64 nu_C theta^4 a step
+PHASE = PhaseError("u", 2, 0.2, "theory", "tg-consistent-3", 72.0)  # at nu_C = 1/2 the wave is ahead by theta^2/24
+DECAY = AmplitudeDecay("u", 3, 0.2, "theory", "tg-lumped", 64.0)  # at nu_C = 1/2 it loses 3/64 nu_C theta^4 in each step
 LOSSLESS = AmplitudeDecay("u", 3, 0.2, "theory", "fem-p1-lumped-cd", 1.0)  # central differences lose nothing
 FRONT = FrontPosition("u", "tg-lumped", 0.1, "theory")
 SUMS = FieldSums(("mass", "momentum"), "theory")
@@ -83,7 +83,7 @@ def series(error, h=H, *, reference=1.0, outcomes=None, quantity="u", metrics=No
 
 
 def limits(ratio) -> dict[str, np.ndarray]:
-    """Measured limits of stability over the theoretical one, which is sqrt(1/2)."""
+    """Metrics of a stability limit at a given ratio to the theoretical limit sqrt(1/2)."""
     theory = np.full(len(H), math.sqrt(0.5))
     return {"stability_limit": ratio * theory, "theoretical_stability_limit": theory}
 
@@ -93,7 +93,7 @@ def over_design(error, **columns) -> Evidence:
 
 
 def falling(*orders) -> Evidence:
-    """Evidence of one observed order after the other, on halved sizes."""
+    """Evidence with the given observed orders, on halved sizes."""
     steps = np.arange(len(orders) + 1.0)
     return series(0.1 * 0.5 ** np.cumsum([0.0, *orders]), 0.5**steps)
 
@@ -108,7 +108,7 @@ def verdict(criterion, evidence) -> Verdict:
     return found
 
 
-# Every criterion, by what it must say of what.
+# Examples: criterion, evidence, expected verdict.
 
 ONES = np.ones(5)
 EXAMPLES = [
@@ -258,12 +258,12 @@ EXAMPLES = [
 
 
 @pytest.mark.parametrize(("criterion", "evidence", "expected"), EXAMPLES)
-def test_examples(criterion, evidence, expected):
+def test_verdicts_of_the_examples(criterion, evidence, expected):
     assert verdict(criterion, evidence) is expected
 
 
 @pytest.mark.parametrize(("criterion", "evidence", "expected"), EXAMPLES)
-def test_criteria_survive_the_file_with_the_same_verdict(criterion, evidence, expected):
+def test_criteria_read_back_from_json_give_the_same_verdict(criterion, evidence, expected):
     stored = json.loads(json.dumps({"type": type(criterion).__name__} | dataclasses.asdict(criterion)))
     again = CRITERIA[stored.pop("type")](**stored)
     assert again.title == criterion.title
@@ -271,14 +271,14 @@ def test_criteria_survive_the_file_with_the_same_verdict(criterion, evidence, ex
     assert judge_criterion(again, evidence) == judge_criterion(criterion, evidence)
 
 
-def test_every_criterion_has_an_example_of_every_verdict_that_it_can_give():
+def test_the_examples_cover_every_verdict_of_every_criterion():
     given_ = {(type(criterion), expected) for criterion, _, expected in EXAMPLES}
     for kind in CRITERIA.values():
         doubts = kind in (Order, Stall, Published, Separated, EnergyDrift, PhaseError, AmplitudeDecay)
         assert {v for k, v in given_ if k is kind} == {PASS, FAIL, ERROR} | ({INCONCLUSIVE} if doubts else set())
 
 
-# What must never pass, with whatever numbers around it.
+# Series that must never pass.
 
 CLEAN = dataclasses.replace(
     series(3 * H**2),
@@ -308,7 +308,7 @@ JUDGED_BY["reference"] = JUDGED_BY["error"]
 @pytest.mark.parametrize(("what", "criterion"), [(what, c) for what, several in JUDGED_BY.items() for c in several])
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("levels", [{0}, {2}, {4}, {1, 3}, {0, 1, 2, 3, 4}])
-def test_what_is_not_a_number_never_passes_and_without_it_all_would(what, criterion, bad, levels):
+def test_a_non_finite_value_is_an_error_where_a_finite_one_passes(what, criterion, bad, levels):
     assert verdict(criterion, CLEAN) is PASS
     values = {"error": CLEAN.error["u"], "reference": CLEAN.reference["u"]}.get(what, CLEAN.metrics.get(what)).copy()
     values[sorted(levels)] = bad
@@ -324,7 +324,7 @@ ANY_ERROR = st.one_of(st.floats(0, 1e6), st.sampled_from([0.0, 1e-15, 1e-12, 1e-
 
 @settings(max_examples=100)
 @given(st.lists(ANY_ERROR, min_size=1, max_size=6), st.floats(0.3, 4), st.floats(0.05, 0.5))
-def test_a_pass_stands_on_three_levels_that_converge(error, centre, half_width):
+def test_a_pass_needs_three_converging_levels(error, centre, half_width):
     evidence = series(error, 0.5 ** np.arange(len(error)))
     criterion = Order("u", "L2", centre - half_width, centre + half_width, "")
     if verdict(criterion, evidence) is PASS:
@@ -343,7 +343,7 @@ def test_a_pass_stands_on_three_levels_that_converge(error, centre, half_width):
     st.sampled_from([(-math.inf, math.inf), (-5, 90), (-5, 1), (10, 90), (0, 0.25), (math.nan, math.nan), (-5, math.nan)]),
     st.integers(3, 8),
 )
-def test_no_band_is_wide_enough_for_what_is_no_order(kind, position, band, levels):
+def test_implausible_orders_pass_in_no_band(kind, position, band, levels):
     low, high = {"negative": (-4, -0.01), "stagnant": (-0.2, 0.2), "implausible": (PLAUSIBLE + 0.1, 76)}[kind]
     rate = low + position * (high - low)
     h = 1.05 ** -np.arange(float(levels))
@@ -351,7 +351,7 @@ def test_no_band_is_wide_enough_for_what_is_no_order(kind, position, band, level
 
 
 @pytest.mark.parametrize("band", [(math.nan, math.nan), (1.8, math.nan), (math.nan, 2.2)])
-def test_a_band_that_is_not_a_number_holds_nothing(band):
+def test_a_band_with_nan_is_inconclusive(band):
     assert verdict(Order("u", "L2", *band, ""), series(3 * H**2)) is INCONCLUSIVE
     assert verdict(EnergyDrift(math.nan, ""), measured(energy_drift=1e-2 * H**2)) is INCONCLUSIVE
 
@@ -365,8 +365,8 @@ def test_an_implausible_order_of_the_energy_drift_does_not_pass(rate, levels):
 
 @LIGHT
 @given(st.floats(1, 3), st.floats(0.02, 30), st.integers(4, 8))
-def test_a_series_that_has_come_to_a_floor_never_passes(order, share, levels):
-    """The floor is half of the finest error at least; whatever else is in it converges as it should."""
+def test_a_series_at_a_floor_does_not_pass(order, share, levels):
+    """The floor is at least half of the finest error; the rest of the error converges at the expected order."""
     h = 0.5 ** np.arange(float(levels))
     error = 1e-4 * (1 + share / (1 + share) * (h / h[-1]) ** order)
     assert verdict(Order("u", "L2", order - 0.2, order + 0.2, ""), series(error, h)) is not PASS
@@ -379,7 +379,7 @@ def test_a_series_that_has_come_to_a_floor_never_passes(order, share, levels):
     st.floats(0.3, 4),
     st.integers(3, 6),
 )
-def test_finer_levels_that_are_too_good_to_be_true_make_no_pass_and_are_named(error, extra, order, levels):
+def test_additional_levels_at_round_off_do_not_make_a_pass_and_are_named(error, extra, order, levels):
     h = 0.5 ** np.arange(float(levels + extra))
     clean = h[:levels] ** order
     for criterion in (Order("u", "L2", order - 0.1, order + 0.1, ""), Order("u", "L2", order + 0.3, order + 0.5, "")):
@@ -399,7 +399,7 @@ def test_an_order_needs_three_levels(criterion, levels):
 
 
 @pytest.mark.parametrize("criterion", [c for several in JUDGED_BY.values() for c in several])
-def test_a_run_that_did_not_complete_is_an_error_before_any_number(criterion):
+def test_an_incomplete_run_is_an_error_before_any_number_is_judged(criterion):
     outcomes = ("completed", "unstable: the energy grew", "completed", "timed out", "completed")
     found, reason = judge_criterion(criterion, dataclasses.replace(CLEAN, outcomes=outcomes))
     assert found is ERROR
@@ -408,14 +408,14 @@ def test_a_run_that_did_not_complete_is_an_error_before_any_number(criterion):
 
 
 @pytest.mark.parametrize("criterion", [c for several in JUDGED_BY.values() for c in several])
-def test_what_was_not_measured_is_an_error_that_names_it(criterion):
+def test_a_missing_measurement_is_an_error_and_is_named(criterion):
     found, reason = judge_criterion(criterion, dataclasses.replace(CLEAN, error={}, reference={}, metrics={}))
     assert found is ERROR
     assert "was not measured" in reason
 
 
 @pytest.mark.parametrize("criterion", [c for several in JUDGED_BY.values() for c in several])
-def test_no_level_is_an_error(criterion):
+def test_a_series_without_levels_is_an_error(criterion):
     empty = np.zeros(0)
     table = np.zeros((0, len(NORMS)))
     nothing = Evidence(empty, empty, empty, empty, (), {"u": table}, {"u": table}, dict.fromkeys(METRICS, empty))
@@ -424,7 +424,7 @@ def test_no_level_is_an_error(criterion):
 
 @LIGHT
 @given(st.permutations(range(5)), st.sampled_from(EXAMPLES))
-def test_the_order_in_which_levels_are_stored_does_not_matter(shuffled, example):
+def test_verdicts_do_not_depend_on_the_order_of_levels(shuffled, example):
     criterion, evidence, expected = example
     if len(evidence.h) != 5:
         return
@@ -448,7 +448,7 @@ def test_errors_are_relative_to_the_exact_norm_and_absolute_where_it_vanishes(er
     np.testing.assert_allclose(found, [error[0] / size[0], error[1], error[2] / size[2]])
 
 
-def test_each_norm_and_quantity_is_judged_by_its_own_numbers():
+def test_each_norm_and_quantity_is_judged_separately():
     table = np.ones((5, len(NORMS)))
     table[:, NORMS.index("L2")] = H**2
     evidence = dataclasses.replace(series(H), error={"u": table, "v": np.ones((5, len(NORMS)))})
@@ -457,7 +457,7 @@ def test_each_norm_and_quantity_is_judged_by_its_own_numbers():
     assert verdict(dataclasses.replace(ORDER, quantity="v"), dataclasses.replace(evidence, reference={"v": table})) is FAIL
 
 
-def test_drift_is_judged_in_the_time_step_and_not_in_the_cell_size():
+def test_the_order_of_energy_drift_is_in_dt_and_not_in_h():
     evidence = series(H, dt=H**2, metrics={"energy_drift": 1e-2 * H**2})
     assert verdict(EnergyDrift(1.8, ""), evidence) is FAIL
     assert verdict(EnergyDrift(0.8, ""), evidence) is PASS
@@ -472,12 +472,12 @@ def test_drift_is_judged_in_the_time_step_and_not_in_the_cell_size():
         ({"dt": 0.1 * ONES}, ""),
     ],
 )
-def test_the_reason_says_what_the_order_of_a_ladder_means(columns, note):
+def test_the_reason_explains_the_order_of_a_combined_refinement(columns, note):
     reason = judge_criterion(ORDER, series(3 * H**2, **columns))[1]
     assert reason.endswith(note) if note else "together" not in reason
 
 
-def test_a_failed_run_of_a_design_is_named_by_more_than_its_cell_size():
+def test_levels_of_a_design_are_named_by_all_their_parameters():
     outcomes = ("completed",) * 15 + ("unstable",)
     assert judge_criterion(SEPARATED, over_design(DESIGN_H, outcomes=outcomes)) == (
         ERROR,
@@ -504,27 +504,27 @@ def test_a_failed_run_of_a_design_is_named_by_more_than_its_cell_size():
         ),
     ],
 )
-def test_levels_that_came_to_the_same_end_share_one_sentence(outcomes, reason):
+def test_levels_with_the_same_outcome_share_one_sentence(outcomes, reason):
     assert judge_criterion(ORDER, series(3 * H**2, outcomes=tuple(outcomes))) == (ERROR, reason)
     assert judge_criterion(ORDER, series([1.0], [0.5], outcomes=("crashed; X",))) == (ERROR, "h=0.5: crashed; X")
 
 
 @LIGHT
 @given(st.lists(st.sampled_from(["completed", "crashed", "timed out"]), min_size=1, max_size=5))
-def test_a_reason_has_every_outcome_but_completion_once(outcomes):
+def test_the_reason_contains_every_failed_outcome_once(outcomes):
     seen = series(3 * H[: len(outcomes)] ** 2, H[: len(outcomes)], outcomes=tuple(outcomes))
     assert bool(seen.incomplete) == (set(outcomes) != {"completed"})
     for outcome in ("completed", "crashed", "timed out"):
         assert seen.incomplete.count(outcome) == (outcome in outcomes and outcome != "completed")
 
 
-def test_a_dropped_level_is_named_by_the_size_that_is_refined():
+def test_a_dropped_level_is_named_by_its_refined_size():
     error = 3 * H**2 * [1, 1, 1, 1, 1e-12]
     assert "without dt=0.0078125: at round-off" in judge_criterion(ORDER, series(error, 0.1 * ONES, dt=H))[1]
 
 
 @pytest.mark.parametrize("choices", [("u", "L1", (("h", 1, 2),), ""), ("u", "L2", (), ""), ("u", "L2", (("ppc", 1, 2),), "")])
-def test_a_separation_that_makes_no_sense_is_refused(choices):
+def test_an_invalid_separation_is_refused(choices):
     with pytest.raises(UsageError):
         Separated(*choices)
 
@@ -534,7 +534,7 @@ def test_published_errors_are_absolute():
 
 
 @pytest.mark.parametrize("digits", [1, 2, 3, 4])
-def test_published_digits_agree_to_half_a_unit_of_the_last(digits):
+def test_published_errors_must_agree_to_half_a_unit_of_the_last_digit(digits):
     values = ((0.5, 4.4712e-3), (0.25, 1.1334e-3), (0.125, 9.9999e-4))
     theirs = np.array([value for _, value in values])
     unit = np.array([1e-3, 1e-3, 1e-4]) * 10.0 ** (1 - digits)
@@ -543,18 +543,18 @@ def test_published_digits_agree_to_half_a_unit_of_the_last(digits):
     assert verdict(criterion, series(theirs - unit * [0.49, 0.49, 0.51], H[:3] * 4)) is FAIL
 
 
-def test_a_second_level_of_the_same_size_cannot_hide_behind_a_published_one():
+def test_all_levels_with_a_published_size_are_compared():
     h = np.append(H, H[0])
     assert verdict(PUBLISHED, series(np.append(3 * H**2, 3 * H[0] ** 2), h)) is PASS
     assert verdict(PUBLISHED, series(np.append(3 * H**2, 1.0), h)) is FAIL
     assert verdict(PUBLISHED, series(np.insert(3 * H**2, 0, 1.0), np.insert(H, 0, H[0]))) is FAIL
 
 
-# What criteria measure on solutions.
+# Measurements on solutions.
 
 
 def setting(problem, h=0.1, **fields) -> Setting:
-    """Level of a problem with these exact fields."""
+    """Setting of a problem with the given exact fields."""
     return Setting(VerificationProblem(problem, ExactSolution(fields, ""), "", ()), Discretisation(h, COURANT))
 
 
@@ -565,7 +565,7 @@ N = 11
 
 
 def histories(**changed) -> Solution:
-    """A spring of unit energy, at rest on average."""
+    """Solution with the histories of a mass on a spring with unit energy."""
     time = np.linspace(0, 1, N)
     table = {
         "time": time,
@@ -596,7 +596,7 @@ def test_histories_that_balance_have_no_defect(criterion, metric):
 
 @LIGHT
 @given(st.floats(-1, 1).filter(lambda loss: abs(loss) > 1e-9), st.integers(0, N - 1))
-def test_a_loss_at_any_time_is_measured_relative_to_what_there_is(loss, when):
+def test_a_loss_at_any_time_is_measured_relative_to_its_scale(loss, when):
     kick = np.zeros(N)
     kick[when] = loss
     assert MASS.measure(histories(mass=2 + kick), BAR)["mass_defect"] == pytest.approx(abs(loss) / max(2, 2 + loss))
@@ -608,13 +608,13 @@ def test_a_loss_at_any_time_is_measured_relative_to_what_there_is(loss, when):
     assert RISE.measure(histories(external_work=kick), BAR)["energy_rise"] == pytest.approx(abs(loss) * rises, rel=1e-6)
 
 
-def test_the_mass_of_a_body_is_that_of_its_density_from_the_start():
+def test_the_mass_of_a_body_is_compared_with_its_reference_density():
     assert MASS.measure(histories(mass=np.full(N, -2.0)), BAR)["mass_defect"] == pytest.approx(2)
     assert MASS.measure(histories(mass=np.full(N, 2.5)), BAR)["mass_defect"] == pytest.approx(0.2)
 
 
-def test_momentum_is_relative_to_the_momenta_that_cancel_in_it_and_mass_is_not():
-    """Two particles flying apart at a hundred times unit speed: the sum is zero to their round-off, the mass to its own."""
+def test_the_momentum_defect_is_relative_to_the_particle_momenta_and_the_mass_defect_is_not():
+    """Two particles fly apart at speed 100: the total momentum is zero to the round-off of their momenta."""
     fast = {"momentum": np.zeros(N), "impulse": np.zeros(N), "kinetic_energy": np.full(N, 1e4)}
     slip = np.append(np.zeros(N - 1), 1e-11)
     assert MOMENTUM.measure(histories(**fast | {"momentum": slip}), BAR)["momentum_defect"] == pytest.approx(1e-11 / 200)
@@ -629,7 +629,7 @@ def test_momentum_is_relative_to_the_momenta_that_cancel_in_it_and_mass_is_not()
     st.integers(0, N - 1),
 )
 @pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
-def test_a_history_that_is_not_finite_measures_nothing_finite(which, bad, when):
+def test_a_non_finite_history_gives_a_non_finite_metric(which, bad, when):
     criterion, name = which
     values = histories().histories[name].copy()
     values[when] = bad
@@ -645,7 +645,7 @@ def test_a_history_that_is_not_finite_measures_nothing_finite(which, bad, when):
         *((c, ("kinetic_energy", "strain_energy", "external_work")) for c in (ENERGY, RISE)),
     ],
 )
-def test_what_a_solver_does_not_return_or_returns_as_zeros_is_not_measured(criterion, missing):
+def test_missing_and_zero_histories_are_not_measured(criterion, missing):
     for name in missing:
         assert criterion.measure(histories(**{name: None}), BAR) == {}
     every = histories().histories
@@ -658,7 +658,7 @@ def test_momentum_is_measured_without_mass_and_energy():
     assert MOMENTUM.measure(alone, BAR) == {"momentum_defect": pytest.approx(0.25)}
 
 
-def test_an_energy_of_the_wrong_sign_has_no_negative_drift():
+def test_the_drift_of_an_energy_with_the_wrong_sign_is_positive():
     wrong = histories(strain_energy=-5 * np.sin(histories().histories["time"]) ** 2 - 2)
     assert ENERGY.measure(wrong, BAR)["energy_drift"] > 0.1
 
@@ -670,7 +670,7 @@ LOOP = setting(Problem("loop", (0.0,), (1.0,), Transport(2.0), {"x-": Periodic()
 
 
 def carried(passes, *, steps=STEPS, lag=0) -> Solution:
-    """What a scheme of the declared amplification factor makes of random data; an output every fourth step."""
+    """Random data after steps of a scheme with the declared amplification factor; an output every fourth step."""
     start = np.random.default_rng(0).standard_normal(CELLS)
     dt = COURANT / CELLS / 2.0
     count = np.arange(0, steps + 1, 4)
@@ -688,13 +688,13 @@ def test_every_mode_follows_its_amplification_factor(passes):
     assert found["amplification_modes"] == 1
 
 
-def test_another_scheme_or_a_lag_of_one_step_is_seen():
+def test_another_scheme_or_a_lag_of_one_step_gives_a_defect():
     criterion = Amplification(1, 1e-12, "")
     assert criterion.measure(carried(2), LOOP)["amplification_defect"] > 1e-2
     assert criterion.measure(carried(1, lag=1), LOOP)["amplification_defect"] > 1e-2
 
 
-def test_amplification_measures_nothing_on_the_initial_data_alone_on_zeros_or_on_another_problem():
+def test_amplification_needs_time_steps_a_nonzero_field_and_an_advection_problem():
     criterion, good = Amplification(1, 1e-12, ""), carried(1)
     assert criterion.measure(carried(1, steps=0), LOOP) == {}
     assert criterion.measure(dataclasses.replace(good, fields={"u": 0 * good.fields["u"]}), LOOP) == {}
@@ -703,7 +703,7 @@ def test_amplification_measures_nothing_on_the_initial_data_alone_on_zeros_or_on
 
 
 @pytest.mark.parametrize("output", [0, 1, -1])
-def test_amplification_of_what_is_not_finite_is_not_finite(output):
+def test_amplification_of_a_non_finite_field_is_nan(output):
     good = carried(1)
     u = good.fields["u"].copy()
     u[output, 3] = np.nan
@@ -711,7 +711,7 @@ def test_amplification_of_what_is_not_finite_is_not_finite(output):
     assert all(math.isnan(value) for value in found.values())
 
 
-# Verdicts together.
+# Several verdicts.
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The command that judges a CSV file of errors: a verdict a column, and one sentence for a file that is none."""
+"""The command that judges a CSV file of errors: one verdict for each column, and one sentence for an invalid file."""
 
 import pytest
 from click.testing import CliRunner
@@ -42,17 +42,17 @@ def test_exit_statuses(judge, content, options, status, verdict):
     assert result.output.startswith(f"{verdict} error: ")
 
 
-def test_without_a_band_the_order_its_interval_and_its_kind_are_told(judge):
+def test_without_a_band_order_interval_and_class_are_printed(judge):
     output = judge(SECOND).output
     assert "order 1.995, interval [1.942, 2.048] from 4 levels (asymptotic)" in output
     assert "no order passes" in output
 
 
-def test_every_level_that_is_not_used_is_named(judge):
+def test_every_dropped_level_is_named(judge):
     assert "h=0.0125: at round-off" in judge(SECOND.replace("6.4e-5", "1e-14"), *BAND).output
 
 
-def test_every_other_column_is_an_error_and_the_worst_decides(judge):
+def test_every_other_column_is_judged_and_the_worst_verdict_counts(judge):
     two = "dt;displacement;velocity\n4;16;4\n2;4;2\n1;1;1\n"
     result = judge(two, *BAND)
     assert [line.split(":")[0] for line in result.output.splitlines()] == ["PASS displacement", "FAIL velocity", "Sizes"]
@@ -61,7 +61,7 @@ def test_every_other_column_is_an_error_and_the_worst_decides(judge):
     assert judge(two, "--h", "velocity", "--error", "displacement", *BAND).exit_code == 0
 
 
-def test_the_sizes_are_those_of_h_and_other_sizes_are_no_errors(judge):
+def test_the_column_h_holds_the_sizes_and_other_sizes_are_not_judged(judge):
     table = "dt,h,ppc,u\n1,4,2,16\n1,2,2,4\n1,1,2,1\n"
     result = judge(table, *BAND)
     assert [line.split(":")[0] for line in result.output.splitlines()] == ["PASS u", "Sizes"]
@@ -94,7 +94,7 @@ def test_what_separates_and_how_levels_are_ordered_does_not_matter(judge, same):
         ("", (), "is empty"),
         ("\n \n", (), "is empty"),
         ("h,error\n", (), "has no level"),
-        ("0.1,0.2\n0.05,0.1\n", (), "must name its columns in the first line"),
+        ("0.1,0.2\n0.05,0.1\n", (), "name the columns in the first line"),
         ("h\n1\n2\n", (), "has no column of errors beside 'h'"),
         ("h,\n1,2\n", (), "must name every column"),
         ("h,e,e\n1,2,3\n", (), "each name once"),
@@ -104,10 +104,10 @@ def test_what_separates_and_how_levels_are_ordered_does_not_matter(judge, same):
         ("h,dt,ppc\n1,2,2\n", (), "has no column of errors beside 'h'"),
         ("h,e\n0.1,2\n0.10000000000000002,3\n", (), "h=0.1 is given twice"),
         ("h,e\n1,2\n\n3,4,5\n", (), "line 4 has 3 cells"),
-        ("h,e\n1,two\n", (), "line 2: 'two' in column 'e' is no number"),
-        ("h,e\n1,\n", (), "line 2: '' in column 'e' is no number"),
-        ("h,e\n1,1_0\n", (), "'1_0' in column 'e' is no number"),
-        ("h;e\n0,1;2\n", (), "'0,1' in column 'h' is no number"),
+        ("h,e\n1,two\n", (), "line 2: 'two' in column 'e' is not a number"),
+        ("h,e\n1,\n", (), "line 2: '' in column 'e' is not a number"),
+        ("h,e\n1,1_0\n", (), "'1_0' in column 'e' is not a number"),
+        ("h;e\n0,1;2\n", (), "'0,1' in column 'h' is not a number"),
         ("h,e\n1,2\n1,3\n", (), "h=1 is given twice"),
         ("h,e\n0,2\n1,3\n", (), "every h must be positive and finite, not 0"),
         ("h,e\nnan,2\n1,3\n", (), "every h must be positive and finite, not nan"),
@@ -116,11 +116,11 @@ def test_what_separates_and_how_levels_are_ordered_does_not_matter(judge, same):
         (SECOND, ("--h", "dx"), "has no column 'dx': choose from h, error"),
         (SECOND, ("--low", "3", "--high", "2"), "the band of orders [3, 2] is empty"),
         (SECOND, ("--low", "nan"), "the band of orders"),
-        (b"\xff\xfe\x00\x00", (), "is no text"),
+        (b"\xff\xfe\x00\x00", (), "is not text"),
         ('h,e\n"1,2\n', (), "line 2"),
     ],
 )
-def test_a_file_that_is_no_table_of_errors_is_refused_in_one_sentence(judge, content, options, said):
+def test_an_invalid_table_is_refused_in_one_sentence(judge, content, options, said):
     result = judge(content, *options)
     assert result.exit_code == 2
     assert said in result.stderr
@@ -128,7 +128,7 @@ def test_a_file_that_is_no_table_of_errors_is_refused_in_one_sentence(judge, con
     assert "Traceback" not in result.stderr
 
 
-def test_a_file_that_is_not_there_is_named(tmp_path):
+def test_a_missing_file_is_named(tmp_path):
     for path in (tmp_path / "none.csv", tmp_path):
         result = CliRunner().invoke(cli, ["judge", str(path)])
         assert result.exit_code == 2

@@ -1,4 +1,4 @@
-"""Norms: weighted as integrals are, norms in the mathematical sense, and poisoned by anything that is not a number."""
+"""Norms: weights as in integrals, the axioms of a norm, and NaN for values that are not finite."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def test_hand_computed_norms_of_two_vectors():
 
 @LIGHT
 @given(fields())
-def test_the_weight_is_a_measure_and_is_not_squared(data):
+def test_weights_enter_linearly(data):
     values, weight = data
     halves = np.concatenate([weight, weight], axis=1) / 2
     np.testing.assert_allclose(norms(np.concatenate([values, values], axis=1), halves), norms(values, weight), rtol=1e-12)
@@ -128,7 +128,7 @@ def test_l2_max_is_the_largest_over_the_outputs_and_the_others_are_final(data):
 
 @LIGHT
 @given(fields(), st.sampled_from([np.nan, np.inf, -np.inf]), st.data())
-def test_what_is_not_finite_at_the_end_poisons_every_norm(data, bad, draw):
+def test_every_norm_is_non_finite_if_a_final_value_is(data, bad, draw):
     values, weight = data
     point, component = draw.draw(st.tuples(*(st.integers(0, size - 1) for size in values.shape[1:])))
     values[-1, point, component] = bad
@@ -137,13 +137,13 @@ def test_what_is_not_finite_at_the_end_poisons_every_norm(data, bad, draw):
 
 @LIGHT
 @given(fields(), st.sampled_from([np.nan, np.inf]), st.data())
-def test_what_is_not_finite_at_any_output_poisons_the_largest(data, bad, draw):
+def test_l2_max_is_non_finite_if_any_value_is(data, bad, draw):
     values, weight = data
     values[draw.draw(st.tuples(*(st.integers(0, size - 1) for size in values.shape)))] = bad
     assert not np.isfinite(norms(values, weight)[L2_MAX])
 
 
-def test_nan_is_never_shadowed_by_a_larger_number():
+def test_nan_is_not_hidden_by_a_larger_number():
     values = np.array([[[1e100], [np.nan], [1e100]]])
     assert np.isnan(linf(values)[0])
     assert np.isnan(l1(values, np.ones((1, 3)))[0])
@@ -151,7 +151,7 @@ def test_nan_is_never_shadowed_by_a_larger_number():
 
 @LIGHT
 @given(fields(), st.sampled_from([np.nan, np.inf, -1e-3, "zero"]), st.data())
-def test_weights_that_are_no_measure_poison_every_norm(data, bad, draw):
+def test_invalid_weights_make_every_norm_nan(data, bad, draw):
     values, weight = data
     time, point = draw.draw(st.tuples(*(st.integers(0, size - 1) for size in weight.shape)))
     if bad == "zero":
@@ -171,14 +171,14 @@ X = np.linspace(0, 1, 9)[:, None]
 T = np.array([0.0, 0.4, 1.0])
 
 
-def test_the_exact_field_has_no_error_and_its_norm_is_stored_beside_it():
+def test_the_exact_field_has_no_error_and_its_norm_is_returned():
     weight = np.full((3, 9), 1 / 9)
     error, size = errors(solution(shifted(X, T), time=T, reference=X, weight=weight), WAVE)["u"]
     assert np.all(error == 0)
     np.testing.assert_array_equal(size, norms(shifted(X, T), weight))
 
 
-def test_a_solution_that_lags_one_step_has_the_error_of_one_step():
+def test_a_lag_of_one_step_gives_the_error_of_one_step():
     step = 1e-6
     weight = np.linspace(0.1, 2, 27).reshape(3, 9)
     error, _ = errors(solution(shifted(X, T - step), time=T, reference=X, weight=weight), WAVE)["u"]
@@ -186,14 +186,14 @@ def test_a_solution_that_lags_one_step_has_the_error_of_one_step():
     np.testing.assert_allclose(error, step * norms(slope, weight), rtol=1e-5)
 
 
-def test_fields_are_compared_in_the_reference_position_wherever_the_points_have_moved():
+def test_fields_are_compared_at_reference_positions():
     moved = Solution(T, 0.1, X, shifted(X, T) + 7, np.ones((3, 9)), {"u": shifted(X, T)}, {}, Work())
     assert np.all(errors(moved, WAVE)["u"][0] == 0)
     elsewhere = solution(shifted(X, T), time=T, reference=X + 0.01)
     assert np.all(errors(elsewhere, WAVE)["u"][0] > 0)
 
 
-def test_only_quantities_of_both_sides_are_compared():
+def test_only_quantities_that_both_solutions_have_are_compared():
     both = ExactSolution({"u": shifted, "stress": shifted}, "")
     assert set(errors(solution(shifted(X, T), time=T, reference=X), both)) == {"u"}
     assert errors(solution(shifted(X, T), time=T, reference=X, quantity="velocity"), both) == {}
@@ -211,7 +211,7 @@ def test_only_quantities_of_both_sides_are_compared():
         (np.zeros((3, 9, 1)), np.ones((1, 9))),
     ],
 )
-def test_a_shape_that_numpy_would_stretch_is_refused(values, weight):
+def test_a_shape_that_numpy_would_broadcast_is_refused(values, weight):
     with pytest.raises(UsageError, match="a solver must return"):
         errors(solution(values, time=T, reference=X, weight=weight), WAVE)
 

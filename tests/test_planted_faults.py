@@ -1,7 +1,7 @@
 """A wrong solver fails: a fault planted in a copy of a shipped solver turns a verdict of a study to FAIL or ERROR.
 
-A copy is compiled from its own files and stands for the original in a study, under the same name and with the same choices. The
-studies are reduced to the series of that solver, and judged by the runner with their own criteria.
+Each copy is compiled from its own files and replaces the original in a study, with the same name and choices. The study is reduced
+to the series of that solver and judged with its own criteria.
 """
 
 import dataclasses
@@ -33,7 +33,7 @@ from mpmverify.study import Study
 
 SOURCES = Path(mpmverify.solvers.__file__).parent
 FAMILIES: dict[type, str] = {MaterialPoint: "mpm", FiniteElement: "fem", TaylorGalerkin: "taylor_galerkin"}
-"""Where the copies of a solver class live."""
+"""Folder of each solver class."""
 LOOPS = {"mpm": ("loop", "march"), "fem": ("kernel", "advance"), "taylor_galerkin": ("kernel", "march")}
 """Module and name of each family's compiled time loop."""
 
@@ -61,7 +61,7 @@ class Trial:
 
 @dataclasses.dataclass(frozen=True)
 class Kill:
-    """A trial, the verdict that a fault must provoke in it, and the beginning of the title of the criterion that gives it."""
+    """A trial, the verdict that a fault must get in it, and the start of the title of the criterion that gives this verdict."""
 
     trial: Trial
     verdict: Verdict
@@ -70,7 +70,7 @@ class Kill:
 
 @dataclasses.dataclass(frozen=True)
 class Fault:
-    """A fault of one solver family, compiled once, and where it must be seen; some leave every order as it was."""
+    """A fault of one solver family and the trials that must detect it; with `keeps_orders`, every order criterion still passes."""
 
     name: str
     edits: tuple[Edit, ...]
@@ -138,7 +138,7 @@ FAULTS = (
         (Kill(FEM_VIBRATION, FAIL, "energy conserved"),),
     ),
     Fault(
-        "modulus-of-A-halved",
+        "modulus-in-flux-matrix-halved",
         (Edit(TG_SOLVER, TG_MODULUS, TG_MODULUS.replace("-(", "-0.5 * (")),),
         (Kill(TG_VIBRATION, FAIL, "order of stress"), Kill(TG_DECK, FAIL, "stress exact")),
     ),
@@ -186,7 +186,7 @@ FAULTS = (
         (Kill(TG_VIBRATION, ERROR, "momentum less impulse"), Kill(TG_STEP, FAIL, "mass less inflow")),
     ),
     Fault(
-        "boundary-flux-and-its-account-dropped",
+        "boundary-flux-dropped-from-update-and-balance",
         (Edit(TG_LOOP, TG_FLUX + TG_GAIN, "                    pass\n"),),
         (Kill(TG_PULSE, FAIL, "order of stress"),),
     ),
@@ -196,12 +196,12 @@ FAULTS = (
         (Kill(TG_PULSE, ERROR, "order of velocity"),),
     ),
     Fault(
-        "dt-for-half-dt-in-predictor",
+        "dt-instead-of-half-dt-in-predictor",
         (Edit(TG_LOOP, "return U_k - 0.5 * dt * (", "return U_k - dt * ("),),
         (Kill(TG_VIBRATION, FAIL, "order of velocity"), Kill(TG_SPECTRUM, FAIL, "amplification factor")),
     ),
     Fault(
-        "end-node-of-full-mass",
+        "full-mass-at-the-end-nodes",
         (Edit(TG_SOLVER, "mass[[0, -1]] = 0.5 * h", "pass"),),
         (Kill(TG_DECK, FAIL, "velocity exact"),),
     ),
@@ -229,7 +229,7 @@ FAULTS = (
         (Edit(FEM_SOLVER, "(law.density * weight) @ values", "(0.0 * weight) @ values"),),
         (Kill(FEM_NEO_HOOKEAN, FAIL, "order of stress"),),
     ),
-    # Faults that leave every order as it is
+    # Faults that keep every order
     Fault(
         "mass-between-lumped-and-consistent",
         (
@@ -301,7 +301,7 @@ TRIALS = tuple(dict.fromkeys(kill.trial for fault in FAULTS for kill in fault.ki
 
 
 def verification(study: Study, folder: Path) -> list[Finding]:
-    """Run a study in this process, without a baseline, and return what verification found."""
+    """Run a study in this process, without a baseline, and return its verification findings."""
     (judged,) = run([study], Plan(Results(folder / "results"), Baseline(folder / "baseline.json"), jobs=0))
     assert judged.solved > 0
     assert judged.reused == 0
@@ -348,7 +348,7 @@ def test_every_fault_of_a_solver_has_its_own_name() -> None:
     assert len({fault.id for fault in FAULTS}) == len(FAULTS)
 
 
-# Faults of the bench itself: the shipped solvers are right, and the comparison is not.
+# Faults of the comparison with the exact solution; the shipped solvers are unmodified.
 
 NORM_FAULTS = {
     "exact-solution-one-step-late": (
@@ -392,7 +392,7 @@ def test_a_wrong_comparison_fails(
 
 @dataclasses.dataclass(frozen=True)
 class Late:
-    """A closed form that is late by a delay [s]."""
+    """A closed form that is delayed by `delay` [s]."""
 
     field: Callable[..., Any]
     delay: float
@@ -402,7 +402,7 @@ class Late:
 
 
 @pytest.mark.parametrize("trial", [TG_PULSE, MPM_PULSE, FEM_PULSE, FEM_NEO_HOOKEAN], ids=lambda t: f"{t.family}-{t.study}")
-def test_a_closed_form_that_is_late_by_the_finest_step_fails(trial: Trial, tmp_path: Path) -> None:
+def test_a_closed_form_delayed_by_the_finest_time_step_fails(trial: Trial, tmp_path: Path) -> None:
     study = trial.with_solver(trial.solver)
     (case,) = study.cases
     (series,) = case.series

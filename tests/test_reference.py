@@ -1,4 +1,4 @@
-"""Grid convergence and numerical references: exact where theory is, a band that holds the truth, and no gate finer than ten of it."""
+"""Grid convergence and numerical references: orders of power laws, bounds on true errors, and verdicts against a reference."""
 
 import itertools
 import math
@@ -35,17 +35,17 @@ def sizes(ratios):
     return 1 / np.cumprod([1.0, *ratios])
 
 
-# Known truth.
+# Power laws.
 
 
 @LIGHT
 @given(RATIOS, ORDERS, st.floats(-10, 10), st.sampled_from([-2.0, 0.5, 3.0]), st.randoms(use_true_random=False))
-def test_a_power_law_about_a_limit_gives_back_both_whatever_the_ratios(ratios, order, limit, constant, random):
+def test_order_and_limit_of_a_power_law_are_recovered_at_any_ratios(ratios, order, limit, constant, random):
     h = sizes(ratios)
     value = limit + constant * h**order
     shuffled = random.sample(range(len(h)), len(h))
     found = grid_convergence(h[shuffled], value[shuffled], formal=order)
-    # The steps are differences of values: what round-off takes of them is missing in the order.
+    # The order depends on differences of values, so round-off of the values limits its accuracy.
     lost = 1e-14 * (abs(limit) + abs(constant)) / abs(np.diff(value)[-1])
     assert found.behaviour is Behaviour.MONOTONE
     assert found.order == pytest.approx(order, abs=1e-10 + 50 * lost)
@@ -55,7 +55,7 @@ def test_a_power_law_about_a_limit_gives_back_both_whatever_the_ratios(ratios, o
 
 @LIGHT
 @given(RATIOS, ORDERS, ORDERS, st.sampled_from([-2.0, 0.5]))
-def test_the_band_holds_the_truth_whatever_order_is_expected(ratios, order, formal, constant):
+def test_the_uncertainty_bounds_the_true_error_for_any_formal_order(ratios, order, formal, constant):
     h = sizes(ratios)
     found = grid_convergence(h, 1 + constant * h**order, formal=formal)
     assert found.uncertainty >= abs(constant * h[-1] ** order) * (1 - 1e-6)
@@ -64,12 +64,12 @@ def test_the_band_holds_the_truth_whatever_order_is_expected(ratios, order, form
 
 @LIGHT
 @given(st.floats(1.1, 4), st.floats(1.1, 4), st.floats(-5, 8))
-def test_the_observed_order_keeps_its_sign_and_inverts_its_formula(coarse, fine, order):
+def test_observed_order_solves_its_equation_for_either_sign(coarse, fine, order):
     growth = (coarse**order - 1) / (1 - fine**-order) if abs(order) > 1e-3 else math.log(coarse) / math.log(fine)
     assert observed_order(coarse, fine, growth) == pytest.approx(order, abs=2e-3 if abs(order) < 1e-2 else 1e-6)
 
 
-def test_the_published_example_of_unequal_ratios_is_reproduced():
+def test_a_published_example_with_unequal_ratios_is_reproduced():
     """Celik et al. 2008, table 1, reattachment length: r = 1.5, 1.333; 6.063, 5.972, 5.863 give p = 1.53, GCI = 2.2 %."""
     n = np.array([18000, 8000, 4500])
     found = grid_convergence(1 / np.sqrt(n), [6.063, 5.972, 5.863], formal=1.53)
@@ -80,21 +80,21 @@ def test_the_published_example_of_unequal_ratios_is_reproduced():
 
 @LIGHT
 @given(RATIOS, ORDERS, st.floats(0.1, 10))
-def test_norms_of_differences_give_the_order_and_bound_the_error_of_the_finest_level(ratios, order, size):
+def test_norms_of_differences_give_the_order_and_bound_the_finest_error(ratios, order, size):
     h = sizes(ratios)
     found = grid_convergence_of_differences(h, size * -np.diff(h**order), formal=order)
     assert found.order == pytest.approx(order, abs=1e-8)
     assert found.uncertainty == pytest.approx(1.25 * size * h[-1] ** order, rel=1e-6)
 
 
-def test_only_the_finest_three_levels_count():
+def test_only_the_three_finest_levels_are_used():
     value = 1 + H**2
     coarse = value.copy()
     coarse[:2] = [40, -7]
     assert grid_convergence(H, coarse, formal=2) == grid_convergence(H, value, formal=2)
 
 
-# What has no order.
+# Series without an order.
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_only_the_finest_three_levels_count():
         ([np.inf, 2, 3, 3, 4], Behaviour.NON_FINITE, False),
     ],
 )
-def test_what_does_not_converge_monotonically_has_no_limit_and_qualifies_for_nothing(value, behaviour, finite):
+def test_without_monotone_convergence_there_is_no_limit_and_no_qualified_reference(value, behaviour, finite):
     found = grid_convergence(H, value, formal=2)
     assert found.behaviour is behaviour
     assert math.isnan(found.limit)
@@ -123,20 +123,20 @@ def test_what_does_not_converge_monotonically_has_no_limit_and_qualifies_for_not
     assert behaviour.value in reference.reason
 
 
-def test_an_oscillation_that_shrinks_is_held_by_its_band():
+def test_the_uncertainty_of_a_decreasing_oscillation_bounds_the_true_error():
     for shrinks in (0.2, 0.5, 0.9):
         value = 1 + 0.1 * (-shrinks) ** np.arange(5.0)
         assert grid_convergence(H, value, formal=2).uncertainty > abs(value[-1] - 1)
 
 
-def test_two_levels_have_the_formal_order_at_the_larger_factor_and_do_not_qualify():
+def test_two_levels_use_the_formal_order_with_the_larger_factor_and_do_not_qualify():
     found = grid_convergence(H[:2], 1 + H[:2] ** 2, formal=2)
     assert found.behaviour is Behaviour.TOO_SHORT
     assert found.uncertainty == pytest.approx(3 * H[1] ** 2)
     assert not qualify(H[:2], 1 + H[:2] ** 2, formal=2).qualified
 
 
-def test_an_order_that_is_none_or_a_size_of_zero_does_not_qualify():
+def test_a_flat_order_or_a_size_of_zero_does_not_qualify():
     assert not qualify(H, 1 + H**0.1, formal=2).qualified
     assert not qualify(H, H**2 - H[-1] ** 2, formal=2).qualified
     assert not qualify_by_differences(H, -np.diff(H**2), formal=2, size=0.0).qualified
@@ -158,7 +158,7 @@ def test_an_order_that_is_none_or_a_size_of_zero_does_not_qualify():
         lambda: analyse(H, H**2, uncertainty=math.nan),
     ],
 )
-def test_what_cannot_mean_anything_is_refused(call):
+def test_invalid_arguments_are_refused(call):
     with pytest.raises(UsageError):
         call()
 
@@ -166,7 +166,7 @@ def test_what_cannot_mean_anything_is_refused(call):
 # The judge and a reference.
 
 
-def test_levels_that_the_reference_cannot_tell_are_dropped_by_name():
+def test_levels_finer_than_the_reference_are_dropped_by_name():
     error = H**2
     series = analyse(H, error, uncertainty=error[2] / 10)
     assert series.kept.tolist() == [True, True, False, False, False]
@@ -177,7 +177,7 @@ def test_levels_that_the_reference_cannot_tell_are_dropped_by_name():
 
 @LIGHT
 @given(st.integers(0, 5))
-def test_three_levels_above_ten_times_the_uncertainty_make_a_pass_and_two_make_none(usable):
+def test_a_pass_needs_three_levels_above_ten_times_the_uncertainty(usable):
     error = H**2
     uncertainty = (error[usable - 1] / 11) if usable else 1.0
     found, reason = verdict(H, error, band=(1.8, 2.2), uncertainty=uncertainty)
@@ -190,7 +190,7 @@ def test_nothing_passes_against_a_reference_that_is_not_qualified():
     assert verdict(H, H**2, band=(1.8, 2.2), uncertainty=reference.uncertainty)[0] is Verdict.INCONCLUSIVE
 
 
-# A finite element reference qualifies itself; then the closed form, which it never saw, says whether that was right.
+# A finite element reference that qualifies on its own ladder is checked against the closed form.
 
 BAR = axial_vibration(v0=1e-3)
 CELLS = (8, 16, 32, 64)
@@ -198,7 +198,7 @@ POINTS = np.linspace(0, BAR.problem.lengths[0], 41)[1:-1]
 
 
 def profile(solver, cells, quantity):
-    """A field at the final time at fixed points, by Lagrange interpolation of an order that leaves the scheme's error alone."""
+    """A field at the final time at fixed points, by quintic splines, whose error is small against that of the scheme."""
     from scipy.interpolate import make_interp_spline
 
     solution = solver.solve(BAR.problem, Discretisation(BAR.problem.lengths[0] / cells, 0.5))
@@ -227,7 +227,7 @@ def exact(quantity):
 
 @pytest.mark.parametrize("quantity", ["displacement", "velocity"])
 def test_the_uncertainty_of_the_finite_element_reference_bounds_its_true_error(ladder, quantity):
-    """P2 with Newmark at dt ~ h is of second order in time."""
+    """P2 elements with Newmark at dt ~ h are of second order, by the time integration."""
     fields = ladder[quantity]
     reference = qualify_by_differences(1 / np.array(CELLS), steps(fields), formal=2.0, size=rms(fields[-1]))
     assert reference.qualified
@@ -236,7 +236,7 @@ def test_the_uncertainty_of_the_finite_element_reference_bounds_its_true_error(l
     assert true <= reference.uncertainty <= 1.6 * true
 
 
-def test_so_does_that_of_a_scalar(ladder):
+def test_the_uncertainty_of_a_scalar_reference_bounds_its_true_error(ladder):
     size = [rms(field) for field in ladder["displacement"]]
     reference = qualify(1 / np.array(CELLS), size, formal=2.0)
     assert reference.qualified
@@ -244,7 +244,7 @@ def test_so_does_that_of_a_scalar(ladder):
     assert true <= reference.uncertainty <= 1.6 * true
 
 
-def test_another_scheme_is_judged_against_the_reference_as_against_the_closed_form_but_not_beyond_it(ladder):
+def test_verdicts_against_the_reference_and_against_the_closed_form_agree(ladder):
     solver = FiniteElement(1, "lumped", "newmark")
     cells = np.array([4, 8, 16, 32, 64])
     fields = [profile(solver, count, "displacement") for count in cells]

@@ -34,7 +34,7 @@ from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, Self
 from mpmverify.problem import Discretisation, Periodic, Problem, Transport
 from mpmverify.reports import charts, render
 from mpmverify.reports.equations import mathml
-from mpmverify.reports.notation import DASH, cell_size, interval, number, plain, slugs
+from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs, typeset_numbers
 from mpmverify.reports.pages import IndexPage, StudyPage, TrustPage
 from mpmverify.reports.record import Profile
 from mpmverify.reports.site import TEMPLATES, environment
@@ -48,7 +48,7 @@ SIZES = (1 / 16, 1 / 32, 1 / 64, 1 / 128)
 
 @dataclasses.dataclass(frozen=True)
 class Scheme:
-    """Stands in for a solver: the report sees its name, its choices and its orders alone."""
+    """Stand-in for a solver: the report uses only its name, choices and orders."""
 
     name: str
     text: str = HOSTILE
@@ -101,7 +101,7 @@ NONE = Baseline(Path("none"))
 
 
 def store(results: Results, declared: Study, known: Baseline = NONE) -> list:
-    """Write a study as a run would, and return its findings."""
+    """Write a study file as a run does, and return the findings."""
     table, shots = [], {}
     for case, series in declared.series():
         where = SeriesId(case.name, series.solver.name, series.refinement.label)
@@ -153,7 +153,7 @@ def fresh(tmp_path: Path) -> Results:
 
 
 class Page(HTMLParser):
-    """Checks that tags balance, and collects identifiers, links, resources, text and scripts."""
+    """Checks that tags are balanced, and collects identifiers, links, resources, text and scripts."""
 
     VOID = frozenset(("meta", "link", "input", "br", "hr", "img"))
 
@@ -228,7 +228,7 @@ def test_pages_are_well_formed_with_unique_identifiers(stored: tuple[Results, li
         assert set(page.labelled) <= set(page.ids), name
 
 
-def test_every_link_leads_somewhere_and_nothing_is_loaded_from_elsewhere(stored: tuple[Results, list]) -> None:
+def test_every_link_has_a_target_and_every_resource_is_local(stored: tuple[Results, list]) -> None:
     results, _ = stored
     known = pages(results)
     assert known.keys() == {"index.html", "sample.html", "second.html", "trust.html"}
@@ -246,7 +246,7 @@ def test_every_link_leads_somewhere_and_nothing_is_loaded_from_elsewhere(stored:
     assert (results.report / "assets" / "plotly.min.js").stat().st_size > 1_000_000
 
 
-def test_the_only_runs_that_are_linked_are_those_at_hand(stored: tuple[Results, list]) -> None:
+def test_only_existing_run_files_are_linked(stored: tuple[Results, list]) -> None:
     links = pages(stored[0])["sample.html"].links
     assert [link for link in links if "/runs/" in link] == ["../runs/good-64.nc"]
 
@@ -272,7 +272,7 @@ def test_every_verdict_is_shown_with_its_reason_and_source(stored: tuple[Results
     assert any(HOSTILE in finding.reason for finding in table)
 
 
-def test_a_run_that_did_not_complete_is_told_once_for_all_criteria_of_its_series(stored: tuple[Results, list]) -> None:
+def test_a_failed_run_is_listed_once_for_all_criteria_of_its_series(stored: tuple[Results, list]) -> None:
     results, table = stored
     crashed = [finding for finding in table if finding.solver == "crashed"]
     (reason,) = {finding.reason for finding in crashed}
@@ -285,7 +285,7 @@ def test_a_run_that_did_not_complete_is_told_once_for_all_criteria_of_its_series
         assert criteria, name
 
 
-def test_what_the_baseline_has_and_was_not_run_is_shown_with_what_the_run_was_restricted_to(tmp_path: Path) -> None:
+def test_missing_baseline_series_and_the_restriction_of_the_run_are_shown(tmp_path: Path) -> None:
     whole, known = study(solvers=("good", "also good")), Baseline(tmp_path / "none")
     for solver in whole.solver_names():
         known.updated("sample", solver, "hill & dale", "ladder", EVIDENCE)
@@ -300,7 +300,7 @@ def test_what_the_baseline_has_and_was_not_run_is_shown_with_what_the_run_was_re
     assert index.cells.count("also good") == 1, "among what did not pass: a solver that was not run has no row in the matrix"
 
 
-def test_a_copy_of_a_study_that_lacks_series_links_to_its_own_page(tmp_path: Path) -> None:
+def test_a_copied_study_file_with_missing_series_links_to_its_own_page(tmp_path: Path) -> None:
     known = Baseline(tmp_path / "none")
     known.updated("sample", "good", "a case that is gone", "ladder", EVIDENCE)
     results = Results(tmp_path)
@@ -311,10 +311,10 @@ def test_a_copy_of_a_study_that_lacks_series_links_to_its_own_page(tmp_path: Pat
     assert "copy.html#lacking" in pages(results)["index.html"].links
     assert "sample.html#lacking" not in pages(results)["index.html"].links
     cells = [cell for page in pages(results).values() for cell in page.cells if "INCONCLUSIVE" in cell and "/" in cell]
-    assert [cell.split()[-1] for cell in cells] == ["1/1", "1/1"], "what was not run is in no cell of a matrix"
+    assert [cell.split()[-1] for cell in cells] == ["1/1", "1/1"], "series that were not run are in no cell of a matrix"
 
 
-def test_what_follows_a_mode_alone_has_its_chooser_and_no_convergence(tmp_path: Path) -> None:
+def test_a_case_with_frequencies_only_has_a_series_chooser_and_no_convergence_chart(tmp_path: Path) -> None:
     criteria = (Balance("mass", "inflow", "conservation form"),)
     results = Results(tmp_path)
     declared = study(solvers=("good",))
@@ -326,13 +326,13 @@ def test_what_follows_a_mode_alone_has_its_chooser_and_no_convergence(tmp_path: 
     for name, charts_shown in (("sample", ["theory"]), ("judged", ["convergence", "theory"])):
         text = (results.report / f"{name}.html").read_text(encoding="utf-8")
         assert [kind for kind in ("convergence", "theory") if f'data-chart="{kind}"' in text] == charts_shown
-        assert text.count('<fieldset class="curves">') == 1, "the curves are chosen in one place"
+        assert text.count('<fieldset class="curves">') == 1, "there is one chooser of curves"
         assert text.index('<fieldset class="curves">') > text.index(f'data-chart="{charts_shown[0]}"')
-        assert ("below it the observed order" in text) == ("convergence" in charts_shown)
+        assert ("with the observed order below" in text) == ("convergence" in charts_shown)
         assert ('class="order"' in text) == ("convergence" in charts_shown)
 
 
-def test_a_series_that_did_not_pass_is_drawn_at_first_and_marked_among_the_curves(tmp_path: Path) -> None:
+def test_a_series_that_did_not_pass_is_drawn_at_first_and_marked_in_the_chooser(tmp_path: Path) -> None:
     results = Results(tmp_path)
     store(results, study(solvers=("first", "bad", *(f"good {k}" for k in range(10)))))
     render(results)
@@ -340,13 +340,13 @@ def test_a_series_that_did_not_pass_is_drawn_at_first_and_marked_among_the_curve
     boxes = dict(re.findall(r'<input type="checkbox" data-series="(\d+)" data-default="(\d)"', text))
     assert len(boxes) == 12
     assert boxes["1"] == "1"
-    assert list(boxes.values()).count("1") == 7, "beside the six that are drawn of any case"
+    assert list(boxes.values()).count("1") == 7, "in addition to the default six"
     chooser = text[text.index('<fieldset class="curves">') : text.index("</fieldset>")]
     assert chooser.count('class="dot error"') == chooser.count('class="dot') == 1
     assert len(re.findall(r'<td class="key"><span class="dot error">', text)) == 4, "in the table of every norm"
 
 
-def test_nothing_from_a_file_becomes_markup(stored: tuple[Results, list]) -> None:
+def test_text_from_a_file_is_escaped(stored: tuple[Results, list]) -> None:
     for path in stored[0].report.glob("*.html"):
         assert "<script>" not in path.read_text(encoding="utf-8"), path.name
     known = pages(stored[0])
@@ -354,7 +354,7 @@ def test_nothing_from_a_file_becomes_markup(stored: tuple[Results, list]) -> Non
     assert known["sample.html"].scripts == 2
 
 
-def test_measured_frequencies_lie_on_the_chart_of_the_series_that_has_them(stored: tuple[Results, list]) -> None:
+def test_measured_frequencies_are_charted_for_the_series_that_has_them(stored: tuple[Results, list]) -> None:
     page = pages(stored[0])["sample.html"]
     lines, markers = strict(page.data[0])["theory"]["data"]
     assert (lines["mode"], markers["mode"]) == ("lines", "markers")
@@ -365,12 +365,12 @@ def test_measured_frequencies_lie_on_the_chart_of_the_series_that_has_them(store
     assert 'data-chart="theory"' in (stored[0].report / "sample.html").read_text(encoding="utf-8")
 
 
-def test_figures_are_strict_json_in_bounded_space(stored: tuple[Results, list]) -> None:
+def test_figures_are_strict_json_of_bounded_size(stored: tuple[Results, list]) -> None:
     (text,) = pages(stored[0])["sample.html"].data
     figures = strict(text)
     assert figures["convergence"]["titles"]
     measured = {trace["meta"]["series"] for trace in figures["convergence"]["data"] if "series" in trace["meta"]}
-    assert measured == {0, 1}, "the crashed series has nothing to draw"
+    assert measured == {0, 1}, "the crashed series has no errors"
     assert figures["series"][2]["waves"] is None
     waves = figures["series"][1]["waves"]
     assert len(waves["x"]) <= charts.POINTS
@@ -379,7 +379,7 @@ def test_figures_are_strict_json_in_bounded_space(stored: tuple[Results, list]) 
     assert values == len(waves["x"]) * len(waves["t"])
 
 
-def test_dropped_and_unfitted_levels_are_hollow(stored: tuple[Results, list]) -> None:
+def test_levels_outside_the_fit_have_hollow_markers(stored: tuple[Results, list]) -> None:
     figures = strict(pages(stored[0])["sample.html"].data[0])
     symbols = {
         trace["meta"]["series"]: set(trace["marker"]["symbol"])
@@ -390,13 +390,13 @@ def test_dropped_and_unfitted_levels_are_hollow(stored: tuple[Results, list]) ->
     assert all(symbol.endswith("-open") for symbol in symbols[1])
 
 
-def test_what_is_not_finite_is_shown_as_a_dash(stored: tuple[Results, list]) -> None:
+def test_non_finite_numbers_are_shown_as_a_dash(stored: tuple[Results, list]) -> None:
     cells = [cell for page in pages(stored[0]).values() for cell in page.cells]
     assert not [cell for cell in cells if cell.strip().lower().strip("−-[]") in ("nan", "inf", "none")]
     assert DASH in cells
 
 
-def test_a_page_shows_the_fields_of_its_value_and_nothing_else() -> None:
+def test_each_template_uses_exactly_the_fields_of_its_page() -> None:
     engine = environment()
     for kind, template in TEMPLATES.items():
         names: set[str] = set()
@@ -411,12 +411,12 @@ def test_every_planted_fault_and_every_false_alarm_is_shown(stored: tuple[Result
     shown = " ".join(pages(stored[0])["trust.html"].text)
     for fault in FAULTS:
         assert all(part in shown for part in (fault.name, fault.before, fault.after, fault.fate.value, fault.reason))
-    assert SELF_TEST.alarms[0].reason in shown
+    assert SELF_TEST.false_alarms[0].reason in shown
     assert "6 of 8" in shown
     assert "How far to trust this" in " ".join(pages(stored[0])["index.html"].text)
 
 
-def test_a_survivor_that_is_explained_is_no_failure() -> None:
+def test_an_explained_survivor_is_not_a_failure() -> None:
     survivors = [fault for fault in FAULTS if fault.fate is Fate.SURVIVED]
     explained = tuple(dataclasses.replace(fault, explanation="it is too small") for fault in survivors)
     for faults, kind in ((tuple(survivors), "fail"), (explained, "inconclusive")):
@@ -426,7 +426,7 @@ def test_a_survivor_that_is_explained_is_no_failure() -> None:
     assert all(row.reason == "it is too small" for row in page.survivors)
 
 
-def test_the_page_of_a_self_test_comes_and_goes_with_its_file(fresh: Results) -> None:
+def test_the_trust_page_exists_while_the_self_test_file_does(fresh: Results) -> None:
     render(fresh)
     assert not (fresh.report / "trust.html").exists()
     write_selftest(fresh.selftest, SELF_TEST)
@@ -445,7 +445,7 @@ def stamps(results: Results) -> dict[str, int]:
     return {str(path): path.stat().st_mtime_ns for path in results.report.rglob("*") if path.is_file()}
 
 
-def test_an_unchanged_report_is_not_touched_and_a_missing_page_comes_back(fresh: Results) -> None:
+def test_an_unchanged_report_is_not_rewritten_and_a_missing_page_is_rendered_again(fresh: Results) -> None:
     index = render(fresh)
     assert index == fresh.report / "index.html"
     before = stamps(fresh)
@@ -461,7 +461,7 @@ def test_an_unchanged_report_is_not_touched_and_a_missing_page_comes_back(fresh:
     assert after[str(fresh.report / "assets" / "plotly.min.js")] == before[str(fresh.report / "assets" / "plotly.min.js")]
 
 
-def test_only_the_changed_study_is_rendered_and_a_removed_one_goes(fresh: Results) -> None:
+def test_only_a_changed_study_is_rendered_and_the_page_of_a_removed_study_is_deleted(fresh: Results) -> None:
     store(fresh, study("second", ("good",)))
     render(fresh)
     before = stamps(fresh)
@@ -476,7 +476,7 @@ def test_only_the_changed_study_is_rendered_and_a_removed_one_goes(fresh: Result
     assert "second" not in (fresh.report / "index.html").read_text(encoding="utf-8")
 
 
-def test_two_renderings_are_the_same_to_the_byte(fresh: Results) -> None:
+def test_rendering_is_reproducible_byte_for_byte(fresh: Results) -> None:
     def contents() -> dict[str, bytes]:
         return {path.name: path.read_bytes() for path in fresh.report.rglob("*") if path.is_file()}
 
@@ -486,7 +486,7 @@ def test_two_renderings_are_the_same_to_the_byte(fresh: Results) -> None:
     assert contents() == first
 
 
-def test_nothing_heavy_is_imported_when_nothing_changed(fresh: Results) -> None:
+def test_an_unchanged_report_imports_no_heavy_libraries(fresh: Results) -> None:
     render(fresh)
     program = (
         "import sys; from pathlib import Path; from mpmverify.dataset.files import Results; from mpmverify.reports import render; "
@@ -497,7 +497,7 @@ def test_nothing_heavy_is_imported_when_nothing_changed(fresh: Results) -> None:
 
 
 @pytest.mark.parametrize("kind", ["text", "netcdf"])
-def test_a_foreign_file_is_named_and_nothing_is_written(fresh: Results, kind: str) -> None:
+def test_a_foreign_file_is_named_in_the_error_and_nothing_is_written(fresh: Results, kind: str) -> None:
     path = fresh.study("alien")
     if kind == "text":
         path.write_text("not netCDF")
@@ -511,7 +511,7 @@ def test_a_foreign_file_is_named_and_nothing_is_written(fresh: Results, kind: st
 @pytest.mark.parametrize(
     "text", ["{", "[]", "3", '{"verdict": "PASS"}', '{"verdict": "MAYBE"}', '{"verdict": "PASS", "who": "me"}']
 )
-def test_a_damaged_verdict_on_what_is_lacking_is_named(fresh: Results, text: str) -> None:
+def test_a_damaged_finding_on_missing_series_is_named_in_the_error(fresh: Results, text: str) -> None:
     with netCDF4.Dataset(fresh.study("sample"), "a") as file:
         file.setncattr("lacking", text)
     with pytest.raises(ResultsError, match=r"sample\.nc' is damaged"):
@@ -520,7 +520,7 @@ def test_a_damaged_verdict_on_what_is_lacking_is_named(fresh: Results, text: str
         read_tables([fresh.study("sample")])
 
 
-def test_a_page_that_is_not_ours_is_not_overwritten(fresh: Results) -> None:
+def test_a_foreign_page_is_not_overwritten(fresh: Results) -> None:
     page = fresh.report / "sample.html"
     page.parent.mkdir()
     page.write_text("my notes")
@@ -529,7 +529,7 @@ def test_a_page_that_is_not_ours_is_not_overwritten(fresh: Results) -> None:
     assert page.read_text() == "my notes"
 
 
-def test_a_damaged_manifest_is_no_obstacle(fresh: Results) -> None:
+def test_a_damaged_manifest_is_replaced(fresh: Results) -> None:
     render(fresh)
     manifest = fresh.report / "manifest.json"
     manifest.write_text('{"code": []')
@@ -546,9 +546,9 @@ def test_numbers_read_back_to_three_digits(size: float, negative: bool) -> None:
     assert float(back) == pytest.approx(value, rel=0.006)
 
 
-def test_numbers_in_a_text_become_those_of_people() -> None:
-    assert plain("E = 1e+07 Pa, a = -2.5e-06 m/s on [-1, 2] m") == "E = 1×10⁷ Pa, a = −2.5×10⁻⁶ m/s on [−1, 2] m"
-    assert plain("neo-Hookean, mass-1e5, 3e, x1e5") == "neo-Hookean, mass-1e5, 3e, x1e5"
+def test_numbers_in_a_text_are_typeset() -> None:
+    assert typeset_numbers("E = 1e+07 Pa, a = -2.5e-06 m/s on [-1, 2] m") == "E = 1×10⁷ Pa, a = −2.5×10⁻⁶ m/s on [−1, 2] m"
+    assert typeset_numbers("neo-Hookean, mass-1e5, 3e, x1e5") == "neo-Hookean, mass-1e5, 3e, x1e5"
 
 
 def test_notation() -> None:
@@ -575,7 +575,7 @@ def heights(path: str) -> np.ndarray:
 
 
 def drawn(numerical: Callable[[np.ndarray], np.ndarray], final: float = 1.0) -> Thumbnail:
-    """Thumbnail of sin(pi x) in time, which ends at a height."""
+    """Return the thumbnail of an oscillating sin(pi x) with final amplitude `final`."""
     x, time = np.linspace(0, 1, 50), np.linspace(0, 1, 9)
     exact = np.append(np.linspace(-1, 1, 8), final)[:, None] * np.sin(np.pi * x)
     fields = np.vstack([exact[:-1], numerical(exact[-1])])
@@ -585,25 +585,25 @@ def drawn(numerical: Callable[[np.ndarray], np.ndarray], final: float = 1.0) -> 
 
 
 @pytest.mark.parametrize("final", [1.0, 0.3, 1e-17, 0.0])
-def test_a_thumbnail_shows_an_error_by_its_share_of_the_field_whatever_is_left_of_it(final: float) -> None:
+def test_a_thumbnail_scales_an_error_by_the_whole_run_for_any_final_amplitude(final: float) -> None:
     for error in (0.0, 1e-3, 0.3):
         small = drawn(lambda exact, error=error: exact + error, final)
         apart = np.abs(heights(small.exact) - heights(small.numerical)).max() / (HEIGHT - 2 * MARGIN)
         assert apart == pytest.approx(error / 2.3 if error > 0.1 and final == 1 else error / 2, abs=4e-3)
 
 
-def test_a_wild_profile_leaves_the_exact_one_visible() -> None:
-    for wild in (1e9, -1e9, math.nan):
-        figure = drawn(lambda exact, wild=wild: exact + wild)
+def test_a_diverging_profile_leaves_the_exact_one_visible() -> None:
+    for error in (1e9, -1e9, math.nan):
+        figure = drawn(lambda exact, error=error: exact + error)
         assert np.ptp(heights(figure.exact)) > 0.25 * HEIGHT
-        assert bool(figure.numerical) == math.isfinite(wild)
+        assert bool(figure.numerical) == math.isfinite(error)
 
 
 @pytest.mark.parametrize("latex", [r"\frac{", r"\text{<script>1</script>}", r"\text{<a href='x'>y</a>}", ""])
-def test_what_is_no_formula_is_shown_as_code(latex: str) -> None:
+def test_invalid_formulas_are_shown_as_code(latex: str) -> None:
     assert mathml(latex).startswith("<code>")
     assert "<script>" not in mathml(latex)
 
 
-def test_formulae_become_mathml() -> None:
+def test_formulas_become_mathml() -> None:
     assert mathml(r"\frac{a}{b}").startswith("<math")

@@ -1,4 +1,4 @@
-"""The report on designs and on ladders in other sizes than h: sources, dominance maps, tables and charts."""
+"""The report on designs and on ladders in dt: sources of error, dominance maps, tables and charts."""
 
 import json
 import math
@@ -66,7 +66,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Record]:
     return results, read(results.study("sources"))
 
 
-def test_sources_survive_the_file_and_judging_anew_changes_nothing(stored: tuple[Results, Record]) -> None:
+def test_sources_are_stored_and_judging_the_file_again_gives_the_same_findings(stored: tuple[Results, Record]) -> None:
     tree = read_tree(stored[0].study("sources"))
     dataset = tree["good"].to_dataset(inherit=False)
     assert dataset["source"].values.tolist() == list(NAMES)
@@ -81,7 +81,7 @@ def test_sources_survive_the_file_and_judging_anew_changes_nothing(stored: tuple
     assert verdicts[LADDERS["design"].label, BOTH.title] is Verdict.PASS
 
 
-def test_series_are_read_with_the_size_that_they_refine(stored: tuple[Results, Record]) -> None:
+def test_series_are_read_with_their_refined_size(stored: tuple[Results, Record]) -> None:
     by_label = {entry.refinement: entry for entry in stored[1].series}
     (designed, timed, joint) = (by_label[refinement.label] for refinement in LADDERS.values())
     assert (designed.axis, timed.axis, joint.axis) == ("", "dt", "h")
@@ -94,25 +94,25 @@ def test_series_are_read_with_the_size_that_they_refine(stored: tuple[Results, R
     assert [round(source.exponent, 3) for source in separation.sources] == [2, 1]
 
 
-def test_the_map_turns_where_the_sources_are_equal(stored: tuple[Results, Record]) -> None:
+def test_the_map_holds_the_ratio_of_the_two_sources(stored: tuple[Results, Record]) -> None:
     designed = next(entry for entry in stored[1].series if not entry.axis)
     (plane,) = planes(designed.levels, designed.separations["u", "L2"])
     assert (plane.x, plane.y, plane.first, plane.second) == ("h", "dt", "h", "dt")
-    h, dt = np.meshgrid(plane.across, plane.up)
+    h, dt = np.meshgrid(plane.x_values, plane.y_values)
     np.testing.assert_allclose(plane.ratio, np.log10(dt / 20 / h**2), atol=1e-3)
     levels = designed.levels
-    for axis, values in ((plane.across, [level.h for level in levels]), (plane.up, [level.dt for level in levels])):
+    for axis, values in ((plane.x_values, [level.h for level in levels]), (plane.y_values, [level.dt for level in levels])):
         assert axis[0] < min(values) < max(values) < axis[-1], "every run lies on the map"
 
 
-def test_particles_have_a_plane_and_what_is_not_seen_or_not_explained_has_none() -> None:
+def test_a_plane_needs_two_seen_sources_and_an_accepted_fit() -> None:
     from mpmverify.reports.record import Level as Run
 
     levels = [Run(h, 0.1, 0.1, ppc, 1, 1, 0.0, "completed", "") for h in (0.1, 0.2, 0.4) for ppc in (1, 2, 3)]
     h, spacing = Source("h", 2.0, 2.0, 1.9, 2.1, 0.9), Source("h/ppc", 0.5, 2.0, 1.9, 2.1, 0.4)
     (plane,) = planes(levels, Separation((h, spacing)))
     assert (plane.x, plane.y, plane.second) == ("h", "ppc", "h/ppc")
-    np.testing.assert_allclose(plane.ratio, np.tile(np.log10(0.25 / plane.up**2)[:, None], (1, len(plane.across))))
+    np.testing.assert_allclose(plane.ratio, np.tile(np.log10(0.25 / plane.y_values**2)[:, None], (1, len(plane.x_values))))
     assert list(planes(levels, Separation((h, Source("h/ppc"))))) == []
     assert list(planes(levels, Separation((h, spacing), obstacle="off"))) == []
     assert list(planes(levels, Separation(obstacle="too few"))) == []
@@ -121,7 +121,7 @@ def test_particles_have_a_plane_and_what_is_not_seen_or_not_explained_has_none()
 def test_the_page_names_sizes_and_sources(stored: tuple[Results, Record]) -> None:
     page = Page(stored[0].report / "sources.html")
     text = " ".join(page.text)
-    for expected in ("Sources of error", "dt = 1/16", "h = 1/8", "off by", "where they are equal"):
+    for expected in ("Sources of error", "dt = 1/16", "h = 1/8", "residual", "where they are equal"):
         assert expected in text
     figures = next(json.loads(data) for data in page.data if "dominance" in data)
     (chart,) = figures["dominance"]

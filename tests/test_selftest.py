@@ -1,4 +1,4 @@
-"""The self-test: faults by rule, their fates, what is kept of them, and what the command says."""
+"""The self-test: faults by rule, trials, fates, stored results, and the output of the command."""
 
 import ast
 import dataclasses
@@ -35,7 +35,7 @@ from mpmverify.selftest.rules import RULES, faults, sampled
 from mpmverify.selftest.survivors import EXPLAINED
 from mpmverify.selftest.trials import TRIALS, Trial, merged
 from mpmverify.selftest.unmodified import jittered, settings
-from mpmverify.selftest.verdict import CONTRACT, Court, deviation
+from mpmverify.selftest.verdict import CONTRACT, FaultJudge, deviation
 from mpmverify.solution import Outcome, Status
 
 TOY = '''
@@ -97,28 +97,28 @@ def by_rule():
 
 
 @pytest.mark.parametrize("rule", RULES)
-def test_a_rule_applies_where_it_should_and_nowhere_else(rule, toy):
+def test_a_rule_makes_the_expected_faults_in_numerical_code_only(rule, toy):
     found = {passage(fault, toy).after for fault in faults(toy, "toy") if fault.rule == rule}
     assert EXPECTED[rule] <= found
-    # Not in a refusal, a message, a docstring, an exception, or where a solver speaks of itself.
+    # No fault in a call of `require`, a message, a docstring, an exception, or a function that describes the solver.
     assert not any(word in text for text in found for word in ("require", "Return", "raise", "return"))
 
 
-def test_branches_of_other_dimensions_hold_no_fault_when_there_is_one(toy):
+def test_branches_of_other_dimensions_are_skipped_in_one_dimension(toy):
     path = toy / "toy" / "vectors.py"
     path.write_text(
         "def trace(A):\n    if len(A) == 1:\n        return 2 * A[0]\n    return A[0] + A[1]\n"
         "def size(A):\n    n = 0\n    if len(A) == 1:\n        n = 3 * n\n    elif len(A) == 3:\n        n = 5 * n\n    return 7 * n\n",
         encoding="utf-8",
     )
-    found = {plain: {passage(fault, toy).before for fault in faults(toy, "toy", plain=plain)} for plain in (False, True)}
+    found = {flag: {passage(fault, toy).before for fault in faults(toy, "toy", one_dimensional=flag)} for flag in (False, True)}
     dropped = {"return A[0] + A[1]", "elif len(A) == 3:", "n = 5 * n"}
     assert found[False] - found[True] == dropped
     assert found[True] < found[False]
     assert {"return 2 * A[0]", "n = 3 * n", "return 7 * n"} < found[True]
 
 
-def test_code_of_the_ends_is_known_by_the_table_that_a_loop_reads(toy):
+def test_the_boundary_rule_finds_loops_over_boundary_tables(toy):
     (toy / "toy" / "grid.py").write_text(
         "def hold(faces, begin, end):\n    for k in range(faces.held.shape[0]):\n        print(k)\n"
         "    for n in range(begin, end):\n        print(n)\n",
@@ -140,13 +140,13 @@ def test_code_of_the_ends_is_known_by_the_table_that_a_loop_reads(toy):
     ]
 
 
-def test_a_time_step_of_a_record_is_one(toy):
+def test_the_time_step_rule_finds_the_time_step_in_a_record(toy):
     (toy / "toy" / "grid.py").write_text("def move(x, v, step):\n    return x + step.dt * v\n", encoding="utf-8")
     found = {fault.edits[0].new for fault in faults(toy, "toy") if fault.rule == "time-step" and "grid" in fault.edits[0].file}
     assert found == {"    return x + v", "    return x + (step.dt / 2) * v"}
 
 
-def test_an_argument_without_a_type_is_swapped_with_no_other(toy):
+def test_arguments_without_annotation_are_not_swapped(toy):
     (toy / "toy" / "grid.py").write_text(
         "def place(axis, x: float, scale: float):\n    return x\n\n\ndef local(a, b):\n    return place(a, b, a)\n",
         encoding="utf-8",
@@ -155,7 +155,7 @@ def test_an_argument_without_a_type_is_swapped_with_no_other(toy):
     assert found == ["    return place(a, a, b)"]
 
 
-def test_every_patch_changes_one_place_and_the_program(by_rule):
+def test_every_patch_changes_exactly_one_passage(by_rule):
     texts = {file: (SOURCES / file).read_text(encoding="utf-8") for file in {fault.edits[0].file for fault in by_rule}}
     for fault in by_rule:
         (edit,) = fault.edits
@@ -167,22 +167,22 @@ def test_every_patch_changes_one_place_and_the_program(by_rule):
     assert len({fault.id for fault in by_rule}) == len(by_rule)
 
 
-def test_what_is_planted_is_python(by_rule):
-    for fault in (*NAMED, *sampled(by_rule, session.EACH)):
+def test_every_planted_fault_is_valid_python(by_rule):
+    for fault in (*NAMED, *sampled(by_rule, session.FAULTS_PER_RULE)):
         for text in fault.planted(SOURCES).values():
             ast.parse(text)
 
 
 def test_the_sample_is_large_and_spread_over_families_and_rules(by_rule):
-    sample = sampled(by_rule, session.EACH)
+    sample = sampled(by_rule, session.FAULTS_PER_RULE)
     assert len(sample) >= 120
     count = Counter((fault.family, fault.rule) for fault in sample)
-    assert max(count.values()) == session.EACH
+    assert max(count.values()) == session.FAULTS_PER_RULE
     assert {rule for _, rule in count} == set(RULES)
-    assert all(len({rule for of, rule in count if of == family}) >= len(RULES) - 1 for family in TRIALS)
+    assert all(len({rule for member, rule in count if member == family}) >= len(RULES) - 1 for family in TRIALS)
 
 
-def test_a_change_elsewhere_in_a_file_draws_no_other_sample(toy):
+def test_the_sample_is_the_same_when_other_parts_of_a_file_change(toy):
     before = {fault.id for fault in sampled(faults(toy, "toy"), 2)}
     path = toy / "toy" / "kernel.py"
     path.write_text("import numpy as np\n" + TOY.replace('"a" + "b"', '"a" + "c"'), encoding="utf-8")
@@ -191,16 +191,16 @@ def test_a_change_elsewhere_in_a_file_draws_no_other_sample(toy):
 
 def test_a_named_fault_that_no_longer_fits_its_source_is_refused(toy):
     with pytest.raises(UsageError, match="0 times, not 1"):
-        Fault("toy", "named", "gone", (Edit("toy/kernel.py", "no such passage", ""),)).planted(toy)
+        Fault("toy", "named", "absent passage", (Edit("toy/kernel.py", "no such passage", ""),)).planted(toy)
 
 
-def test_the_named_faults_are_many_and_each_is_named_once():
+def test_named_faults_are_at_least_25_with_unique_names_and_ids():
     assert len(NAMED) >= 25
     assert set(HISTORIC) <= set(NAMED)
     assert len({(fault.family, fault.name) for fault in NAMED}) == len({fault.id for fault in NAMED}) == len(NAMED)
 
 
-def test_only_faults_that_exist_are_explained(by_rule):
+def test_every_explanation_belongs_to_an_existing_fault(by_rule):
     assert set(EXPLAINED) <= {fault.id for fault in (*NAMED, *by_rule)}
 
 
@@ -231,7 +231,7 @@ def test_settings_differ_and_vary_processes_threads_and_seeds():
     assert {s.threads for s in chosen} == {1, 2, 4}
 
 
-def test_particles_are_moved_save_under_a_dispersion_relation():
+def test_jitter_moves_particles_except_under_a_dispersion_criterion():
     for declared in (Trial("dispersion", "fixed-fixed", "mpm-tl-linear-usl-flip"), TRIALS["mpm"][0]):
         study = declared.of(studies.get)
         (before, *_), (after, *_) = (list(entry.series()) for entry in (study, jittered(study, settings(2)[1])))
@@ -243,7 +243,7 @@ def test_particles_are_moved_save_under_a_dispersion_relation():
 # Fates.
 
 
-def test_deviation_is_relative_to_what_cancels_and_infinite_where_shapes_differ():
+def test_deviation_scales_cancelling_momenta_by_energy_and_is_infinite_for_different_shapes():
     theirs = transported(advection(Gaussian()).problem, Discretisation(0.125, 0.5), 0.0)
     assert deviation(theirs, theirs) == 0
     size = np.abs(theirs.fields["u"]).max()
@@ -256,7 +256,7 @@ def test_deviation_is_relative_to_what_cancels_and_infinite_where_shapes_differ(
     assert deviation(unstable, later) == 0
     assert math.isinf(deviation(unstable, theirs))
     assert math.isinf(deviation(theirs, unstable))
-    # A momentum that cancels to 1e-17 is not compared with itself, but with sqrt(2 m E).
+    # A total momentum that cancels to 1e-17 is scaled by sqrt(2 m E), not by itself.
     ones = np.ones(len(theirs.histories["time"]))
     history = dict(theirs.histories) | {"momentum": 1e-17 * ones, "kinetic_energy": 2 * ones}
     one = dataclasses.replace(theirs, histories=history)
@@ -265,20 +265,23 @@ def test_deviation_is_relative_to_what_cancels_and_infinite_where_shapes_differ(
 
 
 @pytest.fixture(scope="module")
-def deck(tmp_path_factory):
-    """A court with the cheapest trial, and its originals."""
-    folder = tmp_path_factory.mktemp("deck")
+def judge(tmp_path_factory):
+    """A fault judge with the cheapest trial, and the results of the unmodified solver."""
+    folder = tmp_path_factory.mktemp("judge")
     trial = Trial("gehojerez-deck", "deck", "tg-lumped").of(studies.get)
     none = Baseline(folder / "none.json")
     assert list(run([trial], Plan(Results(folder), none, jobs=0)))
-    return Court(SOURCES, (trial,), none, folder, folder)
+    return FaultJudge(SOURCES, (trial,), none, folder, folder)
 
 
 TG, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
 FATES = {
     "killed": (Edit(TG, "return U_k - 0.5 * dt", "return U_k - dt"), Fate.KILLED),
     "broken": (Edit(TG_SOLVER, "h = problem.lengths[0] / elements", "h = problem.lengths[1] / elements"), Fate.BROKEN),
-    "breach": (Edit(TG_SOLVER, "weight=np.full((kept, elements), h)", "weight=np.full((kept, elements), 2 * h)"), Fate.KILLED),
+    "invalid-solution": (
+        Edit(TG_SOLVER, "weight=np.full((kept, elements), h)", "weight=np.full((kept, elements), 2 * h)"),
+        Fate.KILLED,
+    ),
     "equivalent": (Edit(TG, "0.5 * dt * (dot(A_k, slope) - S_k)", "dt * (dot(A_k, slope) - S_k) / 2"), Fate.EQUIVALENT),
     "not-exercised": (Edit(TG_SOLVER, "[[1.0, nZ], [0.5, 0.5 / nZ],", "[[1.0, nZ], [0.5, 0.7 / nZ],"), Fate.NOT_EXERCISED),
     "survived": (
@@ -289,19 +292,19 @@ FATES = {
 
 
 @pytest.mark.parametrize(("edit", "fate"), FATES.values(), ids=FATES)
-def test_the_fate_of_a_fault(edit, fate, deck):
-    fortune = deck.judge(Fault("taylor_galerkin", "named", "a fault", (edit,)))
-    assert fortune.fate is fate, fortune
-    assert (fortune.finding is not None) == (fate in (Fate.KILLED, Fate.BROKEN))
-    assert (fortune.deviation > 1e-11) == (fate is Fate.SURVIVED)
+def test_the_fate_of_a_fault(edit, fate, judge):
+    result = judge.judge(Fault("taylor_galerkin", "named", "a fault", (edit,)))
+    assert result.fate is fate, result
+    assert (result.finding is not None) == (fate in (Fate.KILLED, Fate.BROKEN))
+    assert (result.deviation > 1e-11) == (fate is Fate.SURVIVED)
 
 
-def test_what_breaks_the_contract_is_killed_by_it_and_what_raises_does_not_run(deck):
-    breach, broken = (
-        deck.judge(Fault("taylor_galerkin", "named", "a fault", (FATES[name][0],))) for name in ("breach", "broken")
+def test_an_invalid_solution_is_killed_by_the_contract_and_a_solver_that_raises_does_not_run(judge):
+    invalid, broken = (
+        judge.judge(Fault("taylor_galerkin", "named", "a fault", (FATES[name][0],))) for name in ("invalid-solution", "broken")
     )
-    assert (breach.fate, breach.finding.criterion) == (Fate.KILLED, CONTRACT)
-    assert "weights sum to" in breach.finding.reason
+    assert (invalid.fate, invalid.finding.criterion) == (Fate.KILLED, CONTRACT)
+    assert "weights sum to" in invalid.finding.reason
     assert broken.fate is Fate.BROKEN
     assert broken.finding.criterion != CONTRACT
 
@@ -349,7 +352,7 @@ def test_processes_import_what_is_installed_and_not_what_lies_in_the_working_fol
     assert (done.stdout, done.stderr) == ("2.0\n", "")
 
 
-# What is kept.
+# Stored results.
 
 
 FAULT = PlantedFault("mpm/term/1", "mpm", "term", "a term", "mpm/constitution.py", 3, "a + b", "a", Fate.KILLED, verdict="FAIL")
@@ -358,13 +361,13 @@ RATE = Rate("clean", "inside", 10_000, 9_599, 301, 1, 99)
 RATES = Rates((RATE,), (RATE,), (dataclasses.replace(RATE, wrong_pass=9_000),))
 
 
-def a_test(*fates: Fate, runs: tuple[UnmodifiedRun, ...] = (RUN,), explanation: str = "", rates: Rates = RATES) -> SelfTest:
+def self_test(*fates: Fate, runs: tuple[UnmodifiedRun, ...] = (RUN,), explanation: str = "", rates: Rates = RATES) -> SelfTest:
     rows = (dataclasses.replace(FAULT, id=str(k), fate=fate, explanation=explanation) for k, fate in enumerate(fates))
     return SelfTest("quick", 99, tuple(rows), runs, rates)
 
 
 def test_a_self_test_reads_back_as_it_was_written(tmp_path):
-    test = a_test(*Fate)
+    test = self_test(*Fate)
     write_selftest(tmp_path / "selftest.nc", test)
     assert read_selftest(tmp_path / "selftest.nc") == test
     (tmp_path / "foreign.nc").write_text("no netCDF", encoding="utf-8")
@@ -372,27 +375,27 @@ def test_a_self_test_reads_back_as_it_was_written(tmp_path):
         write_selftest(tmp_path / "foreign.nc", test)
 
 
-def test_a_self_test_passes_without_unexplained_survivor_and_false_alarm_alone():
-    assert a_test(Fate.KILLED, Fate.EQUIVALENT).passed
-    assert not a_test(Fate.KILLED, Fate.SURVIVED).passed
-    assert a_test(Fate.KILLED, Fate.SURVIVED, explanation="a driven bar would").passed
-    assert not a_test(Fate.KILLED, runs=(RUN, dataclasses.replace(RUN, verdict="FAIL"))).passed
-    assert not a_test().passed
-    assert not a_test(Fate.KILLED, runs=()).passed
-    assert not a_test(Fate.KILLED, Fate.UNDECIDED).passed
-    assert not a_test(Fate.BROKEN, Fate.EQUIVALENT).passed
+def test_a_self_test_passes_only_without_unexplained_survivors_and_false_alarms():
+    assert self_test(Fate.KILLED, Fate.EQUIVALENT).passed
+    assert not self_test(Fate.KILLED, Fate.SURVIVED).passed
+    assert self_test(Fate.KILLED, Fate.SURVIVED, explanation="a driven bar would kill it").passed
+    assert not self_test(Fate.KILLED, runs=(RUN, dataclasses.replace(RUN, verdict="FAIL"))).passed
+    assert not self_test().passed
+    assert not self_test(Fate.KILLED, runs=()).passed
+    assert not self_test(Fate.KILLED, Fate.UNDECIDED).passed
+    assert not self_test(Fate.BROKEN, Fate.EQUIVALENT).passed
 
 
 @pytest.mark.parametrize("wrong", [{"wrong_pass": 10}, {"wrong_fail": 100}, {"series": 0, "wrong_pass": 0, "wrong_fail": 0}])
 @pytest.mark.parametrize("subject", ["series", "designs"])
-def test_a_self_test_fails_when_the_judge_is_wrong_too_often_or_was_not_asked(wrong, subject):
+def test_a_self_test_fails_if_the_judge_is_wrong_too_often_or_was_not_measured(wrong, subject):
     rates = dataclasses.replace(RATES, **{subject: (dataclasses.replace(RATE, **wrong),)})
-    assert not a_test(Fate.KILLED, rates=rates).passed
-    assert not a_test(Fate.KILLED, rates=dataclasses.replace(RATES, **{subject: ()})).passed
+    assert not self_test(Fate.KILLED, rates=rates).passed
+    assert not self_test(Fate.KILLED, rates=dataclasses.replace(RATES, **{subject: ()})).passed
 
 
 def test_the_kill_table_counts_every_fault_once():
-    table = a_test(*Fate, Fate.KILLED).table()
+    table = self_test(*Fate, Fate.KILLED).table()
     assert {rule: sum(fates.values()) for rule, fates in table.items()} == {"term": len(Fate) + 1}
     assert table["term"][Fate.KILLED] == 2
 
@@ -407,8 +410,8 @@ def small(monkeypatch):
                     for fault in [Fault("taylor_galerkin", "named", name, (edit,))])  # fmt: skip
     monkeypatch.setattr(session, "TRIALS", {"taylor_galerkin": (Trial("gehojerez-deck", "deck", "tg-lumped"),)})
     monkeypatch.setattr(session, "NAMED", (right, wrong))
-    monkeypatch.setattr(session, "RUNS", {"quick": 1, "full": 1})
-    monkeypatch.setattr(session, "SERIES", {"quick": 270, "full": 270})
+    monkeypatch.setattr(session, "UNMODIFIED_RUNS", {"quick": 1, "full": 1})
+    monkeypatch.setattr(session, "RANDOM_SERIES", {"quick": 270, "full": 270})
 
 
 def invoke(*arguments: str, status: int) -> str:
@@ -418,7 +421,7 @@ def invoke(*arguments: str, status: int) -> str:
 
 
 @pytest.mark.usefixtures("small")
-def test_the_command_prints_the_kill_table_and_finds_nothing_out_twice(tmp_path, monkeypatch):
+def test_the_command_prints_the_kill_table_and_reuses_stored_results(tmp_path, monkeypatch):
     output = invoke("--out", str(tmp_path), "--jobs", "2", "--explain", status=0)
     assert "0 unexplained survivors" in output
     assert "0 false alarms" in output
@@ -444,19 +447,19 @@ def test_the_command_fails_on_a_survivor_and_on_a_false_alarm(tmp_path, monkeypa
 
 
 @pytest.mark.usefixtures("small")
-def test_a_fault_that_is_ended_at_its_limit_leaves_nothing_behind(tmp_path, monkeypatch):
-    hung = Edit(TG_SOLVER, "GENEROUS = 10.0", "while True:\n    pass\nGENEROUS = 10.0")
+def test_a_fault_that_exceeds_its_time_limit_leaves_no_files(tmp_path, monkeypatch):
+    hung = Edit(TG_SOLVER, "MARGIN = 10.0", "while True:\n    pass\nMARGIN = 10.0")
     monkeypatch.setattr(session, "NAMED", (Fault("taylor_galerkin", "named", "hung", (hung,)),))
     scratch = tmp_path / "scratch"
     scratch.mkdir()
-    multiprocessing.util.get_temp_dir()  # of this process, made once: the address of a server of processes must be short
+    multiprocessing.util.get_temp_dir()  # made once, before the change below: a socket path must be short
     monkeypatch.setattr(tempfile, "tempdir", str(scratch))
     test = session.Session(Results(tmp_path), studies.get, SOURCES, Baseline(tmp_path / "none"), timeout=1.0).run()
     assert [(fault.fate, fault.reason) for fault in test.faults] == [(Fate.BROKEN, "no result within 1 s of processor time")]
     assert not list(scratch.iterdir())
 
 
-def test_misuse_of_the_command_is_one_sentence_and_status_2(tmp_path):
+def test_misuse_of_the_command_gives_one_sentence_and_status_2(tmp_path):
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert "choose another folder" in invoke("--out", str(tmp_path / "file"), status=2)
     assert "Traceback" not in invoke("--tier", "none", status=2)

@@ -1,4 +1,4 @@
-"""Sources of error: designs of known truth, with noise, missing terms, cancellation and what no design can tell apart."""
+"""Separation of error sources on designs of known truth: with noise, missing sources, cancellation and unsuitable designs."""
 
 import numpy as np
 import pytest
@@ -18,12 +18,12 @@ COSINES = st.sampled_from([-1.0, -0.5, 0.0, 0.5, 1.0])
 
 
 def total(parts, cosine):
-    """Norm of the sum of fields of some norms (m, n) with cosines (m, m)."""
+    """Norm of the sum of m fields on n runs, from their norms (m, n) and the cosines between them (m, m)."""
     return np.sqrt(np.maximum(np.einsum("in,ij,jn->n", parts, cosine, parts), 1e-30))
 
 
 def pair(p, q, cosine=1.0, ratio=1.0):
-    """Error of h^p and dt^q, of the given ratio in the middle of the design."""
+    """Error with the sources h^p and dt^q, whose geometric mean ratio over the design is given."""
     parts = np.array([H**p, DT**q])
     parts[1] *= ratio * np.exp(np.mean(np.log(parts[0] / parts[1])))
     return 0.1 * total(parts, np.array([[1, cosine], [cosine, 1]]))
@@ -35,9 +35,9 @@ def by_size(separation: Separation):
 
 @LIGHT
 @given(EXPONENTS, EXPONENTS, COSINES, st.floats(0.2, 5))
-def test_exponents_and_cosine_of_exact_errors_are_found(p, q, cosine, ratio):
+def test_exponents_and_cosine_of_errors_without_noise_are_recovered(p, q, cosine, ratio):
     error = pair(p, q, cosine, ratio)
-    assume(error.min() > 1e-9 * error.max())  # where sources cancel to round-off, that is the obstacle
+    assume(error.min() > 1e-9 * error.max())  # sources that cancel to round-off are an obstacle
     found = separate({"h": H, "dt": DT}, error)
     assert found.obstacle == ""
     assert by_size(found)["h"].exponent == pytest.approx(p, abs=1e-3)
@@ -47,7 +47,7 @@ def test_exponents_and_cosine_of_exact_errors_are_found(p, q, cosine, ratio):
 
 @LIGHT
 @given(EXPONENTS, EXPONENTS, COSINES, st.floats(1e-3, 1e3), st.floats(1e-3, 1e3), st.randoms(use_true_random=False))
-def test_units_and_the_order_of_runs_do_not_matter_and_amplitudes_give_the_error_back(p, q, cosine, metre, second, shuffle):
+def test_the_separation_reproduces_the_error_in_any_units_and_order_of_runs(p, q, cosine, metre, second, shuffle):
     runs = list(range(len(H)))
     shuffle.shuffle(runs)
     h, dt, error = (H * metre)[runs], (DT * second)[runs], pair(p, q, cosine)[runs]
@@ -61,7 +61,7 @@ def test_units_and_the_order_of_runs_do_not_matter_and_amplitudes_give_the_error
     assert np.all(np.abs(total(parts, np.array([[1, angle], [angle, 1]])) - error) < 1e-2 * parts.sum(axis=0))
 
 
-def test_three_sources_are_told_apart():
+def test_three_sources_are_separated():
     h, dt, ppc = (grid.ravel() for grid in np.meshgrid(HALVES[:3], HALVES[:3], [1, 2, 3], indexing="ij"))
     found = separate({"h": h, "dt": dt, "1/ppc": 1 / ppc}, 0.02 * h**2 + 0.01 * dt**1.5 + 0.01 / ppc**3)
     assert [round(source.exponent, 2) for source in found.sources] == [2.0, 1.5, 3.0]
@@ -69,7 +69,7 @@ def test_three_sources_are_told_apart():
 
 
 @pytest.mark.parametrize("cosine", [-1.0, 0.0, 1.0])
-def test_one_size_is_told_apart_from_what_stays(cosine):
+def test_a_single_size_is_separated_from_a_constant(cosine):
     dt = 0.5 ** np.arange(7.0)
     found = separate({"dt": dt}, total(np.array([0.1 * dt**2, np.full(7, 1e-3)]), np.array([[1, cosine], [cosine, 1]])))
     assert [source.size for source in found.sources] == ["dt", REST]
@@ -78,7 +78,7 @@ def test_one_size_is_told_apart_from_what_stays(cosine):
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.01])
-def test_a_source_that_is_not_there_is_not_seen_and_has_no_exponent(noise):
+def test_an_absent_source_is_not_seen_and_has_no_exponent(noise):
     error = 0.1 * H**2 * np.exp(noise * np.random.default_rng(1).standard_normal(len(H)))
     found = by_size(separate({"h": H, "dt": DT}, error))
     assert found["h"].exponent == pytest.approx(2, abs=0.05)
@@ -106,7 +106,7 @@ OBSTACLES = [
 
 
 @pytest.mark.parametrize(("sizes", "error", "obstacle"), OBSTACLES)
-def test_what_a_design_cannot_tell_apart_is_said(sizes, error, obstacle):
+def test_the_obstacle_says_why_a_design_cannot_separate_sources(sizes, error, obstacle):
     assert obstacle in separate(sizes, error).obstacle
 
 
@@ -120,12 +120,12 @@ def test_what_a_design_cannot_tell_apart_is_said(sizes, error, obstacle):
         ({"h": [1.0, 0.5]}, [1.0, -1.0], "negative"),
     ],
 )
-def test_misuse_is_refused(sizes, error, reason):
+def test_invalid_arguments_are_refused(sizes, error, reason):
     with pytest.raises(UsageError, match=reason):
         separate(sizes, error)
 
 
-def test_runs_that_are_too_good_to_be_true_are_an_obstacle_and_runs_that_come_to_round_off_are_none():
+def test_runs_at_round_off_are_an_obstacle_only_where_the_fit_predicts_larger_errors():
     error = pair(2, 2)
     spoilt = np.where(np.arange(len(H)) % 5 == 2, 0.0, error)
     assert "at round-off" in separate({"h": H, "dt": DT}, spoilt).obstacle
@@ -144,10 +144,10 @@ def test_the_jacobian_is_the_derivative_of_the_residuals():
     np.testing.assert_allclose(model.jacobian(x), slopes, atol=1e-8)
 
 
-# Random designs of known truth, judged by bands that hold it or do not.
+# Random designs.
 
 
-def test_of_many_random_designs_hardly_one_gets_a_wrong_verdict():
+def test_wrong_verdicts_on_random_designs_are_rare():
     inside, outside = measure_designs(100, seed=1)
     assert min(inside.series, outside.series) > 20
     assert outside.wrong_pass == 0

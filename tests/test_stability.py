@@ -1,4 +1,4 @@
-"""Stability limits: the theory, the measurement by bisection on a running solver, and the verdict on the measured limit."""
+"""Stability limits: the theory, the search by bisection, and the verdict on the limit found."""
 
 import math
 from dataclasses import dataclass, replace
@@ -28,15 +28,15 @@ SERIES = {
 
 
 def step(courant, A, D, schedule, terms, full):
-    """Return the matrix of one step on nodal velocity w and strain measure e, as the product of the scheme's operations."""
+    """Matrix of one step for nodal velocity w and strain measure e, as a product of the stages of the scheme."""
     kick, strain = np.array([[1.0, -(courant**2) * D], [0.0, 1.0]]), np.array([[1.0, 0.0], [1.0, 1.0]])
-    if schedule != "USL":  # strain from the old velocity; the transfer to the particles and back multiplies the kick by A
+    if schedule != "USL":  # strain from the old velocity; A is the share of the kick that the grid gets back from the particles
         return np.array([[1.0, -A * courant**2 * D], [0.0, 1.0]]) @ strain
-    if not terms:  # strain from the kicked velocity; the transfer to the particles and back multiplies the kick by A
+    if not terms:  # strain from the velocity after the kick; the particles return the share A of the kick
         back = np.array([[1.0, -A * courant**2 * D], [0.0, 1.0]])
         return np.array([back[0], (strain @ kick)[1]])
     R = sum((1 - A) ** j for j in range(terms))
-    if full:  # the state is the velocity that the particles took over; its transfer to the grid multiplies it by A
+    if full:  # the state is the velocity that the particles took; the grid gets the share A of it
         return strain @ np.diag([R, 1.0]) @ kick @ np.diag([A, 1.0])
     back = np.array([[R * A, -A * courant**2 * D], [0.0, 1.0]])
     return np.array([back[0], (strain @ kick)[1]])
@@ -45,8 +45,8 @@ def step(courant, A, D, schedule, terms, full):
 @pytest.mark.parametrize("ppc", [1, 2, 3, 4])
 @pytest.mark.parametrize("degree", BASES.values())
 @pytest.mark.parametrize(("schedule", "terms", "full"), sorted(SERIES))
-def test_a_mode_begins_to_grow_at_its_limit(schedule, terms, full, degree, ppc):
-    """The largest eigenvalue of a step is compared with 1, a little below the limit of the mode and a little above."""
+def test_a_mode_grows_above_its_limit_and_not_below(schedule, terms, full, degree, ppc):
+    """Eigenvalues of the step matrix of a mode, slightly below and slightly above its limit."""
     for theta in np.random.default_rng(ppc).uniform(0.3, np.pi, 20):
         ((A,), (D,)) = symbols(np.array([theta]), ppc, degree)
         (limit,) = np.sqrt(squared_limit(np.array([theta]), ppc, schedule=schedule, degree=degree, terms=terms, full_mass=full))
@@ -56,34 +56,34 @@ def test_a_mode_begins_to_grow_at_its_limit(schedule, terms, full, degree, ppc):
         assert below < 1 + 1e-9 < above
 
 
-def test_limits_that_are_known():
+def test_known_limits_of_the_linear_basis():
     """Linear basis, one particle in the middle of a cell: 1/sqrt(2) for USL, 2 for USF and MUSL."""
     assert courant_limit(1, schedule="USL", degree=1) == pytest.approx(math.sqrt(0.5), rel=1e-7)
     for schedule in ("USF", "MUSL"):
         assert courant_limit(1, schedule=schedule, degree=1) == pytest.approx(2, rel=1e-7)
 
 
-def test_the_more_terms_the_closer_a_series_comes_to_the_full_mass_matrix():
-    """With R A -> 1 the limit tends to nu_C^2 = 4 A/D, the limit of the consistent mass."""
+def test_a_long_series_has_the_limit_of_the_full_mass_matrix():
+    """R A -> 1: nu_C^2 = 4 A/D, the limit of the consistent mass matrix."""
     A, D = symbols(np.array([1.0]), 2, 1)
     (squared,) = squared_limit(np.array([1.0]), 2, schedule="USL", degree=1, terms=200)
     assert squared == pytest.approx(4 * A[0] / D[0], rel=1e-12)
 
 
 @pytest.mark.parametrize("degree", BASES.values())
-def test_symbols_are_those_of_a_partition_of_unity(degree):
-    """At theta = 0 the transfers keep a velocity (A = 1), and its gradient is zero (D = 0)."""
-    (a,), (d,) = symbols(np.zeros(1), 3, degree)
-    assert a == pytest.approx(1, abs=1e-14)
-    assert d == pytest.approx(0, abs=1e-14)
-    _, (d,) = symbols(np.array([1e-3]), 3, degree)
-    assert d == pytest.approx(1e-6, rel=1e-3)
+def test_symbols_reproduce_a_constant_and_a_linear_velocity(degree):
+    """At theta = 0 the velocity is returned unchanged and its strain is zero; for small theta the strain grows as theta^2."""
+    (again,), (strains,) = symbols(np.zeros(1), 3, degree)
+    assert again == pytest.approx(1, abs=1e-14)
+    assert strains == pytest.approx(0, abs=1e-14)
+    _, (strains,) = symbols(np.array([1e-3]), 3, degree)
+    assert strains == pytest.approx(1e-6, rel=1e-3)
 
 
 # The ring.
 
 
-def test_the_waves_of_the_ring_solve_the_wave_equation_with_the_initial_data_of_the_problem():
+def test_the_waves_of_the_ring_satisfy_the_wave_equation_and_the_initial_conditions():
     verification = ring_modes(12, length=3.0, youngs_modulus=5.0, density=2.0)
     problem, fields = verification.problem, verification.exact.fields
     X, t, e = np.linspace(0, 3, 31)[:, None], np.array([0.37]), 1e-4
@@ -105,7 +105,7 @@ def test_the_waves_of_the_ring_solve_the_wave_equation_with_the_initial_data_of_
 
 
 def test_every_wave_of_the_ring_strains_the_middle_of_a_cell():
-    """A particle there sees every wave, including the shortest."""
+    """A particle there senses every wave, even the shortest."""
     problem = ring_modes(12).problem
     middles = (np.arange(12)[:, None] + 0.5) * problem.upper[0] / 12
     spectrum = np.abs(np.fft.rfft(problem.initial["displacement_gradient"](middles)[:, 0]))
@@ -119,7 +119,7 @@ def test_every_wave_of_the_ring_strains_the_middle_of_a_cell():
 
 @dataclass(frozen=True)
 class Limited:
-    """A solver that is stable up to a Courant number; beyond it `says` selects its status, its energy or NaN as the sign."""
+    """A solver that is stable up to a Courant number; instability shows in its status or in its energy."""
 
     limit: float
     says: str = "status"
@@ -157,19 +157,19 @@ def test_bisection_finds_the_limit(limit, says):
     assert courant <= limit
 
 
-def test_a_solver_that_is_stable_on_its_level_is_returned_as_it_is():
+def test_a_solver_that_is_stable_on_its_level_is_not_refined():
     found, courant = limit_of(Limited(9.0))
     assert found.outcome.completed
     assert courant == pytest.approx(4, rel=2e-3)
 
 
-def test_a_solver_that_is_never_stable_returns_an_unstable_run():
+def test_a_solver_that_is_never_stable_is_reported_unstable():
     found, _ = limit_of(Limited(1e-9))
     assert found.outcome.status is Status.UNSTABLE
     assert "still" in found.outcome.detail
 
 
-def test_a_run_that_ends_by_a_crash_is_not_a_limit():
+def test_the_search_reports_a_crash():
     found, _ = limit_of(Limited(0.5, "crash"))
     assert found.outcome.status is Status.CRASHED
 
@@ -198,18 +198,18 @@ CRITERION = StabilityLimit("mpm-tl-linear-usl-flip", 0.01, "theory")
         ([1.0, 1.0], 0.75, Verdict.ERROR),
     ],
 )
-def test_the_measured_limit_is_judged_either_way(measured, courant, verdict):
+def test_deviations_of_the_limit_in_both_directions_are_judged(measured, courant, verdict):
     assert judge_criterion(CRITERION, evidence(measured, [1, 2], courant))[0] is verdict
 
 
 def test_a_scheme_without_a_known_limit_is_refused():
-    with pytest.raises(UsageError, match="limit of stability of 'mine' is unknown"):
+    with pytest.raises(UsageError, match="stability limit of 'mine' is unknown"):
         StabilityLimit("mine", 0.01, "theory")
 
 
 @dataclass(frozen=True)
 class Hasty:
-    """A material point solver whose actual time step is `factor` times the one that it reports."""
+    """A material point solver that uses another time step than it reports, as if a factor was forgotten."""
 
     solver: MaterialPoint
     factor: float
@@ -230,7 +230,7 @@ class Hasty:
 @pytest.mark.parametrize(
     "solver", [MaterialPoint("USL", FLIP, formulation="total"), MaterialPoint("USL", fmpm(2), formulation="total")]
 )
-def test_a_scheme_with_another_limit_fails(solver, factor):
+def test_a_solver_with_a_wrong_time_step_fails(solver, factor):
     verification, at = ring_modes(40), Discretisation(2.0 / 40, 4.0, 2)
     criterion = StabilityLimit(solver.name, 0.01, "theory")
     solution = Bisection(Hasty(solver, factor)).solve(verification.problem, at)

@@ -1,4 +1,4 @@
-"""Verdicts for machines and for pull requests: well-formed, complete, and never rosier than the findings."""
+"""Summaries of findings for machines and pull requests: well-formed, complete, and consistent with the findings."""
 
 import re
 from collections import Counter
@@ -99,13 +99,13 @@ SCHEMA = xmlschema.XMLSchema(Path(__file__).with_name("junit.xsd"))
 
 @LIGHT
 @given(st.lists(findings(), max_size=8))
-def test_junit_keeps_the_schema(several):
+def test_junit_is_valid_by_the_schema(several):
     SCHEMA.validate(junit(several).decode())
 
 
 @pytest.mark.parametrize("verdict", Verdict)
 @pytest.mark.parametrize("text", ["", *NASTY, "::error::", "x" * 100_000])
-def test_junit_of_every_verdict_and_hostile_text_keeps_the_schema(verdict, text):
+def test_junit_with_special_characters_is_valid_by_the_schema(verdict, text):
     SCHEMA.validate(
         junit([finding(verdict, text, text, text, case=text, refinement=text, criterion=text, source=text)]).decode()
     )
@@ -123,8 +123,8 @@ def test_junit_of_every_verdict_and_hostile_text_keeps_the_schema(verdict, text)
         (r'name="mpmverify"', 'skipped="0"'),
     ],
 )
-def test_the_schema_refuses_what_readers_of_junit_do(right, wrong):
-    """Otherwise what goes before would hold of any text; readers know no count of what is skipped in all the suites."""
+def test_the_schema_refuses_invalid_junit(right, wrong):
+    """Without this the tests above could pass for any text. Readers of JUnit accept `skipped` in <testsuite> only."""
     text = junit([finding(Verdict.FAIL)]).decode()
     assert SCHEMA.is_valid(text)
     changed, times = re.subn(right, wrong, text)
@@ -134,7 +134,7 @@ def test_the_schema_refuses_what_readers_of_junit_do(right, wrong):
 
 @LIGHT
 @given(findings())
-def test_a_parser_reads_back_what_was_found(one):
+def test_a_parser_reads_back_the_finding(one):
     def legal(text):
         return re.sub("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]", "", text)
 
@@ -165,7 +165,7 @@ def test_junit_of_nothing_is_empty_and_well_formed():
 
 
 def cells(row: str) -> list[str]:
-    """Cells of a table row as GitHub splits them: a backslash takes the character behind it along."""
+    """Cells of a table row as GitHub splits them: a backslash escapes the next character."""
     parts = re.findall(r"((?:\\.|[^|\\])*)\|", row.strip())
     assert parts[0] == ""
     return [re.sub(r"\\(.)", r"\1", part).strip() for part in parts[1:]]
@@ -183,7 +183,7 @@ def tables(text: str) -> list[list[list[str]]]:
 
 @LIGHT
 @given(st.lists(findings(), min_size=1, max_size=8))
-def test_no_text_breaks_a_table(several):
+def test_special_characters_do_not_break_a_table(several):
     text = markdown(several)
     bad = [f for f in several if f.verdict is not Verdict.PASS]
     found = tables(text)
@@ -199,7 +199,7 @@ def test_no_text_breaks_a_table(several):
     assert text.startswith(f"## mpmverify: {worst(f.verdict for f in several)}\n")
 
 
-def test_what_markdown_shows_is_what_was_found():
+def test_markdown_shows_the_findings():
     nasty = finding(Verdict.FAIL, reason="a | b \\| c \\ d\r\n<b> & e")
     (row,) = tables(markdown([nasty]))[0][2:]
     assert row == ["FAIL", "bar / step / tg (nu_C=0.5)", "order of u", "a | b \\| c \\ d &lt;b&gt; &amp; e"]
@@ -216,7 +216,7 @@ def test_failures_come_first_and_passes_are_not_listed(several):
 
 
 @pytest.mark.parametrize("count", [MARKDOWN_ROWS - 1, MARKDOWN_ROWS, MARKDOWN_ROWS + 7])
-def test_the_list_is_cut_where_hosts_cut_it_and_says_so(count):
+def test_a_long_list_is_truncated_with_a_note(count):
     doubts = [finding(Verdict.INCONCLUSIVE, reason=f"doubt {k}") for k in range(count - 1)]
     text = markdown([*doubts, finding(Verdict.FAIL, reason="the one failure")])
     rows = tables(text)[0][2:]
@@ -254,7 +254,7 @@ def test_counts_add_up(several):
         assert (f"{number} {verdict}" in sentence.split(", ")) is (number > 0)
 
 
-def test_nothing_judged_is_said_and_is_no_pass():
+def test_the_summary_without_findings_is_not_a_pass():
     assert counts([]) == "nothing judged"
     assert markdown([]).startswith("## mpmverify: INCONCLUSIVE\n\nnothing judged.\n")
     assert "PASS" not in markdown([])
@@ -264,7 +264,7 @@ def test_nothing_judged_is_said_and_is_no_pass():
 
 
 def many(count=10_000, solvers=1):
-    """Return findings with long reasons, of which no letter is one byte."""
+    """Return findings with long reasons of multi-byte characters."""
     verdicts = [Verdict.INCONCLUSIVE, Verdict.PASS, Verdict.FAIL, Verdict.ERROR]
     return [
         finding(verdicts[k % 4], solver=f"Löser {k % solvers} {'ß' * 200}", reason=f"{k} " + "größer € 𝜎 " * 500)
@@ -276,7 +276,7 @@ def many(count=10_000, solvers=1):
 @pytest.mark.parametrize(
     "there", [0, 1000, STEP_SUMMARY - 2000, STEP_SUMMARY - 100, STEP_SUMMARY - 10, STEP_SUMMARY, STEP_SUMMARY + 1]
 )
-def test_a_summary_keeps_to_the_bytes_that_are_left(solvers, there):
+def test_a_summary_keeps_to_its_number_of_bytes(solvers, there):
     several = many(solvers=solvers)
     text = markdown(several, STEP_SUMMARY - there)
     assert not text or there + len(text.encode()) <= STEP_SUMMARY
@@ -295,7 +295,7 @@ def test_a_summary_keeps_to_the_bytes_that_are_left(solvers, there):
 
 @LIGHT
 @given(st.lists(findings(), max_size=8), st.integers(0, 3000))
-def test_whatever_the_room_what_is_shown_and_what_is_left_out_add_up(several, room):
+def test_shown_and_omitted_rows_add_up_at_any_size(several, room):
     text = markdown(several, room)
     assert len(text.encode()) <= room
     whole = markdown(several)
@@ -325,7 +325,7 @@ def read(command: str) -> tuple[str, dict[str, str], str]:
 
 @LIGHT
 @given(st.lists(findings(), max_size=14))
-def test_annotations_are_the_worst_ten_and_are_read_back(several):
+def test_annotations_are_the_ten_worst_findings(several):
     commands = annotations(several, Path("out") / "a,b: c%")
     worst_ten = ranked(several)[:ANNOTATIONS]
     assert len(commands) == len(worst_ten)
@@ -342,7 +342,7 @@ def test_annotations_are_the_worst_ten_and_are_read_back(several):
         assert len(message) <= CELL
 
 
-def test_an_annotation_escapes_what_the_runner_reads():
+def test_annotations_escape_special_characters():
     nasty = finding(Verdict.FAIL, reason="50 % of a: b, c\r\n::error::x", case="a, b: c%0A")
     (command,) = annotations([nasty, finding()], Path("results"))
     assert command == (

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numba import njit
 from numba.core.errors import TypingError
 
-from mpmverify.selftest.trip import trip
+from mpmverify.selftest.tripwire import spoil_arrays
 from mpmverify.solvers.tracing import (
     Variable,
     cond,
@@ -223,7 +223,7 @@ def test_outlined_functions_of_one_name_are_two_and_calls_of_one_take_the_same_t
 @traced
 def by_law(number, x):
     def second():
-        trip(locals())
+        spoil_arrays(locals())
         return 2 * x
 
     return switch(number, {1: lambda: x, 2: second}, 0.0)
@@ -235,14 +235,14 @@ def with_arrays_at_hand(number, values, places):
 
 
 @pytest.mark.parametrize(("number", "reached"), [(0, False), (1, False), (2, True)])
-def test_code_that_does_not_run_trips_nothing(number, reached):
-    """So the self-test finds out whether a trial runs a passage; one without arrays spoils those of the function that calls it."""
+def test_spoil_arrays_in_code_that_does_not_run_changes_nothing(number, reached):
+    """The self-test finds out in this way whether a trial reaches a passage; without arrays, those of the caller are spoiled."""
     values = np.array([1.0, 2.0, 3.0])
     njit(lambda n, values, places: with_arrays_at_hand(n, values, places))(number, values, np.arange(3))
     assert np.isnan(values[[0, 2]]).all() == reached
     assert np.array_equal(values[[0, 2]], [1.0, 3.0]) != reached
 
 
-def test_a_trip_without_any_array_raises():
+def test_spoil_arrays_raises_without_any_array():
     with pytest.raises(ArithmeticError):
-        trip({"x": 1.0})
+        spoil_arrays({"x": 1.0})

@@ -1,4 +1,4 @@
-"""What the wave criteria measure on solutions: delays, decays and lags that were put in, and nothing where there is no wave."""
+"""Measurements of the wave criteria: imposed delays, decays and lags are recovered, and NaN is returned where there is no wave."""
 
 import dataclasses
 import math
@@ -25,7 +25,7 @@ FRONT = FrontPosition("u", "tg-lumped", 0.1, "")
 
 
 def late(verification, quantity, *, delay=0.0, gain=1.0, filtered=1.0, seed=None):
-    """Solution of two outputs that is exact at first and late and damped at last; seen through a filter of all its samples."""
+    """Solution with two outputs: exact at first, delayed and scaled by `gain` at the final time; all samples times `filtered`."""
     problem = verification.problem
     x = (np.arange(CELLS) + 0.5)[:, None] / CELLS * problem.upper[0]
     weight = np.full(CELLS, problem.upper[0] / CELLS)
@@ -45,7 +45,7 @@ def setting(verification):
 
 @LIGHT
 @given(st.floats(-0.1, 0.1), st.floats(0.1, 2), st.sampled_from([1.0, -2.0]), st.integers(0, 99))
-def test_a_late_pulse_has_its_delay_for_phase_error(share, gain, velocity, seed):
+def test_phase_error_is_the_relative_delay_of_a_pulse(share, gain, velocity, seed):
     problem = advection(Gaussian(), velocity=velocity)
     delay = share * problem.problem.end_time
     for solution in (late(problem, "u", delay=delay, gain=gain), late(problem, "u", delay=delay, gain=gain, seed=seed)):
@@ -54,7 +54,7 @@ def test_a_late_pulse_has_its_delay_for_phase_error(share, gain, velocity, seed)
 
 @LIGHT
 @given(st.floats(0.1, 2), st.floats(-0.2, 0.2), st.floats(0.5, 1))
-def test_decay_is_free_of_delay_and_of_how_samples_are_taken(gain, delay, filtered):
+def test_decay_does_not_depend_on_delay_and_filtering(gain, delay, filtered):
     problem = advection(Gaussian())
     solution = late(problem, "u", delay=delay, gain=gain, filtered=filtered)
     assert DECAY.measure(solution, setting(problem)) == {"amplitude_decay_u": pytest.approx(1 - gain, abs=1e-9)}
@@ -62,7 +62,7 @@ def test_decay_is_free_of_delay_and_of_how_samples_are_taken(gain, delay, filter
 
 @LIGHT
 @given(st.floats(-0.1, 0.1), st.sampled_from(["right", "left", "reflected"]), st.integers(0, 99))
-def test_a_late_front_lags_by_what_it_has_not_travelled(delay, kind, seed):
+def test_front_lag_is_the_distance_of_the_delay(delay, kind, seed):
     problem, quantity = {
         "right": (advection(Step()), "u"),
         "left": (advection(Step(0.75, 0.0, 1.0), velocity=-1.0), "u"),
@@ -76,7 +76,7 @@ def test_a_late_front_lags_by_what_it_has_not_travelled(delay, kind, seed):
     assert math.isfinite(theory)
 
 
-def without_samples(solution, value):
+def with_constant(solution, value):
     (quantity,) = solution.fields
     fields = {quantity: np.full_like(solution.fields[quantity], value)}
     return dataclasses.replace(solution, fields=fields)
@@ -84,9 +84,9 @@ def without_samples(solution, value):
 
 @pytest.mark.parametrize("criterion", [PHASE, DECAY, FRONT])
 @pytest.mark.parametrize("value", [0.0, np.nan, np.inf])
-def test_nothing_and_what_is_not_finite_have_no_error_that_is_a_number(criterion, value):
+def test_zero_and_non_finite_solutions_have_no_finite_error(criterion, value):
     problem = advection(Step() if criterion is FRONT else Gaussian())
-    found = criterion.measure(without_samples(late(problem, "u"), value), setting(problem))
+    found = criterion.measure(with_constant(late(problem, "u"), value), setting(problem))
     assert not math.isfinite(found[criterion.metrics[0] if criterion is FRONT else criterion.metric])
 
 
@@ -97,7 +97,7 @@ def test_an_absent_quantity_is_not_measured(criterion):
     assert criterion.measure(dataclasses.replace(late(problem, "u"), fields={}), setting(problem)) == {}
 
 
-def test_a_bar_at_rest_at_first_has_no_decay_that_is_a_number():
+def test_the_decay_is_nan_for_a_bar_initially_at_rest():
     problem = elastic_bar(StepLoad())
     (decay,) = dataclasses.replace(DECAY, quantity="stress").measure(late(problem, "stress"), setting(problem)).values()
     assert math.isnan(decay)
@@ -110,7 +110,7 @@ K, STEPS, H = 2 * math.pi, 40, 0.2
 
 
 def oscillating(scheme, *, courant=0.4, ppc=2, every=1, factor=1.0):
-    """Mode that obeys a scheme's relation, but for a factor of its frequency."""
+    """Mode that follows the dispersion relation of a scheme, with its complex frequency multiplied by a factor."""
     c = RING.problem.material.wave_speed
     dt = courant * H / c
     (z,) = RELATIONS[scheme](np.array([K * H]), courant, ppc)
@@ -129,7 +129,7 @@ LEVEL = Setting(RING, Discretisation(H, 0.4, 2))
 
 
 @pytest.mark.parametrize("scheme", RELATIONS)
-def test_a_mode_that_obeys_the_relation_has_no_defect_and_every_other_has(scheme):
+def test_the_defect_vanishes_only_for_the_relation_of_the_scheme(scheme):
     found = dispersion(scheme).measure(oscillating(scheme), LEVEL)
     assert found["dispersion_defect_stress"] < 1e-12
     assert found["phase_angle_stress"] == pytest.approx(K * H)
@@ -139,23 +139,23 @@ def test_a_mode_that_obeys_the_relation_has_no_defect_and_every_other_has(scheme
     assert slow["dispersion_defect_stress"] == pytest.approx(0.01)
     for other in RELATIONS:
         if RELATIONS[other](np.ones(1), 0.4, 2) == RELATIONS[scheme](np.ones(1), 0.4, 2):
-            continue  # USF and MUSL, updated and total
+            continue  # the same relation: USF and MUSL, updated and total Lagrangian
         assert dispersion(other).measure(oscillating(scheme), LEVEL)["dispersion_defect_stress"] > 1e-4
 
 
-def test_steps_that_are_not_returned_are_not_guessed():
+def test_dispersion_is_not_measured_without_every_step():
     assert dispersion("tg-lumped").measure(oscillating("tg-lumped", every=2), LEVEL) == {}
 
 
-def test_particles_per_cell_belong_to_the_relation():
+def test_the_relation_depends_on_the_particles_per_cell():
     scheme = "mpm-tl-linear-usl-flip"
     other = dataclasses.replace(LEVEL, discretisation=Discretisation(H, 0.4, 3))
     assert dispersion(scheme).measure(oscillating(scheme), other)["dispersion_defect_stress"] > 1e-3
 
 
 @pytest.mark.parametrize("value", [0.0, 1.0, np.nan, np.inf])
-def test_what_does_not_oscillate_has_a_defect_that_is_no_number(value):
-    found = dispersion("tg-lumped").measure(without_samples(oscillating("tg-lumped"), value), LEVEL)
+def test_the_defect_is_nan_without_an_oscillation(value):
+    found = dispersion("tg-lumped").measure(with_constant(oscillating("tg-lumped"), value), LEVEL)
     assert math.isnan(found["dispersion_defect_stress"])
 
 

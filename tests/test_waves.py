@@ -1,4 +1,4 @@
-"""Wave measurements recover what was put in: angle and growth of a mode, delay and gain of a pulse, the place of a front."""
+"""Measurements on waves recover the angle and growth of a mode, the delay and gain of a pulse, and the position of a front."""
 
 import math
 
@@ -28,7 +28,7 @@ def scattered(seed, count=400):
 
 @LIGHT
 @given(st.integers(1, 12), st.floats(0, 2 * math.pi), st.floats(0.1, 10))
-def test_coefficients_of_a_sampled_wave_are_those_of_the_wave(cycles, phase, size):
+def test_modal_history_recovers_the_coefficients_of_a_wave(cycles, phase, size):
     x, k = (np.arange(64) + 0.5) / 64, 2 * math.pi * cycles
     found = modal_history(size * np.cos(k * x - phase)[None], x, np.full(64, 1 / 64), k)
     assert np.allclose(found, [[size * math.cos(phase), size * math.sin(phase)]], rtol=0, atol=1e-13 * size)
@@ -36,7 +36,7 @@ def test_coefficients_of_a_sampled_wave_are_those_of_the_wave(cycles, phase, siz
     assert np.abs(other).max() < 1e-13 * size
 
 
-def test_points_count_by_their_weights():
+def test_sums_over_uneven_points_use_their_weights():
     x, weight = scattered(0, 4000)
     found = modal_history(np.cos(6 * math.pi * x)[None], x, weight, 6 * math.pi)
     assert np.allclose(found, [[1, 0]], atol=1e-3)
@@ -58,7 +58,7 @@ def test_angle_and_growth_of_a_damped_oscillation_are_recovered(angle, growth, p
 
 @LIGHT
 @given(st.floats(0.1, 2.5), st.integers(0, 2**32 - 1))
-def test_noise_perturbs_the_angle_as_stated(angle, seed):
+def test_noise_changes_the_angle_by_no_more_than_documented(angle, seed):
     noise = 1e-8 * np.random.default_rng(seed).standard_normal(200)
     found = np.angle(step_factor((np.cos(angle * np.arange(200)) + noise)[:, None]))
     assert abs(found - angle) < 1e-8 / min(angle, math.pi - angle) ** 2
@@ -77,7 +77,7 @@ def test_noise_perturbs_the_angle_as_stated(angle, seed):
     ],
     ids=["zero", "constant", "one real factor", "short", "empty", "nan", "inf"],
 )
-def test_what_is_no_oscillation_has_no_factor(history):
+def test_the_step_factor_is_nan_without_an_oscillation(history):
     assert np.isnan(step_factor(history))
 
 
@@ -109,7 +109,7 @@ def test_the_fit_is_best_in_the_weighted_norm(seed, offset):
     assert delay_and_gain(values, weight**2, field, 0.25, 1e-4)[0] != pytest.approx(delay, abs=1e-8)
 
 
-def test_what_holds_no_pulse_has_neither_delay_nor_gain():
+def test_delay_and_gain_are_nan_without_a_pulse():
     x, weight = scattered(0)
     field = pulse(x)
     for values in (0 * x, -field(0), x * np.nan, np.where(x > 0.7, np.inf, field(0)), np.exp(-(((x - 0.01) / 0.02) ** 2))):
@@ -125,7 +125,7 @@ def test_what_holds_no_pulse_has_neither_delay_nor_gain():
 @given(
     st.floats(0.2, 0.8), st.floats(0.01, 0.1), st.floats(-2, 2), st.floats(0.1, 5), st.sampled_from([-1, 1]), st.integers(0, 99)
 )
-def test_the_middle_of_a_smooth_front_is_found_within_the_sample_spacing(place, width, base, size, sign, seed):
+def test_a_smooth_front_is_located_within_the_sample_spacing(place, width, base, size, sign, seed):
     x, _ = scattered(seed)
     values = base + sign * size * np.tanh((x - place) / width) / 2
     shuffled = np.random.default_rng(seed).permutation(len(x))
@@ -135,14 +135,14 @@ def test_the_middle_of_a_smooth_front_is_found_within_the_sample_spacing(place, 
 @LIGHT
 @given(st.floats(0.3, 0.7), st.floats(-0.49, 0.49), st.floats(0.01, 0.1))
 def test_oscillations_behind_a_front_do_not_move_it(place, size, length):
-    """Of half of the jump at most."""
+    """The amplitude of the oscillations is at most half of the jump."""
     x = (np.arange(1000) + 0.5) / 1000
     behind = x < place
     values = np.where(behind, 1 + size * np.cos(2 * math.pi * (place - x) / length), 0.0)
     assert front(x, values, 0.5) == pytest.approx(place, abs=1e-3)
 
 
-def test_noise_at_the_crossing_counts_on_both_sides_alike():
+def test_noise_at_the_crossing_counts_equally_on_both_sides():
     x = np.arange(9.0)
     assert front(x, np.array([2, 2, 2, 0, 2, 0, 0, 0, 0.0]), 1.0) == pytest.approx(3.5)
 
@@ -150,13 +150,13 @@ def test_noise_at_the_crossing_counts_on_both_sides_alike():
 @pytest.mark.parametrize(
     "values", [np.ones(9), np.zeros(9), np.r_[0, 0, 2, 2, 2, 0, 0, 0, 0], np.r_[0, np.nan, np.full(7, 2.0)]]
 )
-def test_what_has_no_front_has_no_position(values):
+def test_the_position_is_nan_without_a_front(values):
     assert math.isnan(front(np.arange(9.0), values, 1.0))
 
 
 @LIGHT
 @given(st.floats(0.1, 0.9), st.floats(-3, 3), st.floats(-3, 3), st.integers(0, 99))
-def test_a_known_jump_is_found_to_round_off(place, left, right, seed):
+def test_a_jump_is_located_to_round_off(place, left, right, seed):
     assume(abs(left - right) > 1e-3)
     x, _ = scattered(seed, 50)
     found, level = jump(lambda x: np.where(x < place, left, right), x)

@@ -1,4 +1,5 @@
-"""Adapters: wrappers that give another solver or an external code the protocol of a `Solver`.
+"""Adapters: wrappers that give another solver, or a code outside this package, the protocol of a `Solver`.
 
-The shipped schemes are in `mpmverify.solvers`.
+What runs, measures or translates for a solver that is not written for this package belongs here. The shipped schemes do not: they are
+in `mpmverify.solvers`.
 """

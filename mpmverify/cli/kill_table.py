@@ -24,12 +24,12 @@ def show_selftest(test: SelfTest, *, explain: bool = False) -> None:
             reason = fault.explanation or f"{said}{fault.reason}" or f"results differ by {fault.deviation:.1e} of their size"
             place = f"{fault.id} {fault.name} ({fault.file}:{fault.line})"
             output.print(f"[bold]{fault.fate.value}[/]", escape(f"{place}: {reason}"), highlight=False)
-    for run in test.alarms:
+    for run in test.false_alarms:
         where = f"{run.jobs} processes, {run.threads} threads, jitter {run.jitter:g}, seed {run.seed}"
         output.print("[bold red]false alarm[/]", escape(f"{where}: {run.reason}"), highlight=False)
     output.print(
         f"{len(test.faults)} faults of {test.sites} by rule and by name, {len(test.unexplained)} unexplained survivors; "
-        f"{len(test.runs)} unmodified runs, {len(test.alarms)} false alarms.",
+        f"{len(test.runs)} unmodified runs, {len(test.false_alarms)} false alarms.",
         highlight=False,
     )
     for name, rates in (("series", test.rates.series), ("designs", test.rates.designs)):

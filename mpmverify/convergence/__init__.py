@@ -1,7 +1,7 @@
-"""From error series to verdict: plain arrays of any code in, an order with its interval and a verdict out.
+"""From error series to verdict: takes plain arrays from any code, returns an order with its confidence interval and a verdict.
 
-Here belong fits, the classification of a series, grid convergence indices, the separation of sources of error, tables of errors, and
-random series of known truth that measure the judge. Nothing here knows of a solver, a problem or a file of results.
+Here belong fits, the classification of series, grid convergence indices, the separation of error sources, tables of errors, and
+random series of known truth that measure how often verdicts are right. Nothing here knows solvers, problems or results files.
 """
 
 from mpmverify.convergence.fits import CONFIDENCE, Fit, FloorFit, fit_floor, fit_order, pairwise_orders

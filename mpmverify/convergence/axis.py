@@ -1,4 +1,4 @@
-"""What a set of runs refines, read from its runs: the cell size, the time step, particles per cell, or several of them."""
+"""Refinement axis of a set of runs: which of the cell size, the time step and the particles per cell they vary."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,21 +9,21 @@ from numpy.typing import ArrayLike
 from mpmverify.convergence.levels import Array
 
 UNITS: Mapping[str, str] = {"h": "m", "dt": "s", "1/ppc": "1", "h/ppc": "m"}
-"""Unit of every size that an error may vanish with; the last one is the spacing of particles."""
+"""Unit of every size with which an error may vanish; h/ppc is the particle spacing."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """The sizes that vary over some runs.
+    """Sizes that vary over a set of runs.
 
     Parameters
     ----------
     varied : tuple of str
-        Of h, dt and 1/ppc, those that vary; h when none does.
+        Those of h, dt and 1/ppc that vary; h when none does.
     together : bool
-        Whether they all fall from one run to the next: a ladder. Otherwise the runs are a design.
+        True for a ladder: all varied sizes decrease from each run to the next. False for a design.
     power : float
-        Of a ladder in h and dt: dt falls as h to this power.
+        In a ladder in h and dt, dt is proportional to h to this power.
     """
 
     varied: tuple[str, ...]
@@ -32,12 +32,12 @@ class Axis:
 
     @property
     def size(self) -> str:
-        """The size that orders are measured in; "" for a design."""
+        """Size in which orders are measured; "" for a design."""
         return self.varied[0] if self.together else ""
 
     @property
     def note(self) -> str:
-        """What an order over these runs means, for its reason; "" for one in h alone."""
+        """Meaning of an order over these runs, for the reason of a verdict; "" for refinement in h alone."""
         named = " and ".join(self.varied)
         if not self.together:
             return f"{named} vary independently: such runs have no single order"
@@ -49,12 +49,12 @@ class Axis:
 
 
 def axis(h: ArrayLike, dt: ArrayLike, ppc: ArrayLike) -> Axis:
-    """Tell what some runs refine.
+    """Determine the refinement axis of n runs.
 
     Parameters
     ----------
     h, dt, ppc : array-like
-        Cell size, time step and particles per cell (n,). Runs whose time step is not known, since they never began, are left out.
+        Cell size [m], time step [s] and particles per cell (n,). Runs that never began have no known time step and are left out.
     """
     runs = np.stack([np.asarray(size, dtype=float) for size in (h, dt, ppc)])
     runs = np.unique(runs[:, np.all(np.isfinite(runs) & (runs > 0), axis=0)], axis=1)  # sorted by h, then by dt, then by ppc
@@ -69,5 +69,5 @@ def axis(h: ArrayLike, dt: ArrayLike, ppc: ArrayLike) -> Axis:
 
 
 def sizes(h: Array, dt: Array, ppc: Array) -> dict[str, Array]:
-    """Every size that an error may vanish with, by its name (n,)."""
+    """Every size with which an error may vanish, by name (n,)."""
     return {"h": h, "dt": dt, "1/ppc": 1 / ppc, "h/ppc": h / ppc}

@@ -1,4 +1,4 @@
-"""Power laws through (h, error): slopes with their interval, and slopes above a floor."""
+"""Fits of power laws to (h, error): orders with confidence intervals, without and with an error floor."""
 
 import math
 from dataclasses import dataclass
@@ -9,6 +9,7 @@ from scipy.special import stdtrit
 from mpmverify.convergence.levels import Array
 
 CONFIDENCE = 0.95
+"""Confidence level of the interval of an order."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,15 @@ class Fit:
 
 @dataclass(frozen=True)
 class FloorFit:
-    """E = E0 + A h^p, fitted to relative errors; `residual` is the root mean square of log(E/fit)."""
+    """E = E0 + A h^p, fitted by relative deviations.
+
+    Parameters
+    ----------
+    floor, constant, order : float
+        E0, A and p.
+    residual : float
+        Root mean square of log(E/fit).
+    """
 
     floor: float
     constant: float
@@ -42,12 +51,17 @@ class FloorFit:
 
 
 def pairwise_orders(h: Array, error: Array) -> Array:
-    """Return log(E_i/E_{i+1}) / log(h_i/h_{i+1}) from the actual h, (n - 1,); NaN where undefined.
+    """Return the observed orders log(E_i/E_{i+1}) / log(h_i/h_{i+1}) of neighbouring levels, (n - 1,).
 
     Parameters
     ----------
     h, error : Array
-        Sizes and errors (n,), coarsest first; an error that is not positive and finite has no order.
+        Sizes and errors (n,), coarsest first.
+
+    Returns
+    -------
+    Array
+        NaN where one of the two errors is not positive and finite.
     """
     usable = np.isfinite(error) & (error > 0)
     log_error = np.log(np.where(usable, error, 1.0))
@@ -63,7 +77,7 @@ def fit_order(h: Array, error: Array, confidence: float = CONFIDENCE) -> Fit:
     h, error : Array
         Sizes and errors (n,) of at least two levels, positive and finite.
     confidence : float
-        Of the interval of p by Student's t [1]; it is infinite on two levels.
+        Confidence level of the interval of p by Student's t [1].
     """
     x, y = np.log(h), np.log(error)
     dx = x - x.mean()
@@ -89,9 +103,9 @@ def fit_floor(h: Array, error: Array) -> FloorFit:
 
     Notes
     -----
-    The relative residual is linear in (E0, A) at fixed p; p is then found by a bounded scalar search.
+    The relative residual is linear in (E0, A) at fixed p; a bounded scalar search finds p.
     """
-    from scipy import optimize  # half a second that only a floor needs
+    from scipy import optimize  # imported here because it takes half a second and most series need no floor
 
     size, unit = error.max(), h.max()
     scaled, values = h / unit, error / size
@@ -107,7 +121,7 @@ def fit_floor(h: Array, error: Array) -> FloorFit:
 
 
 def significant_floor(h: Array, error: Array) -> FloorFit | None:
-    """E0 + A h^p when it explains a levelling series far better than A h^p does, else None.
+    """Fit E = E0 + A h^p and return it if the floor E0 is significant, else None.
 
     Parameters
     ----------
@@ -116,8 +130,8 @@ def significant_floor(h: Array, error: Array) -> FloorFit | None:
 
     Notes
     -----
-    A floor shows when the last observed order is below half of the best one, E0 is more than half of the smallest error and
-    the fit's residual is below a third of the pure power law's. At least four levels are needed.
+    The floor is significant if the series has at least four levels, the last observed order is below half of the largest one, E0 is
+    more than half of the smallest error, and the residual is below a third of that of the fit A h^p.
     """
     if len(h) < 4:
         return None

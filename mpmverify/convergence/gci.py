@@ -1,4 +1,4 @@
-"""Grid convergence index: order, limit and uncertainty of a quantity from its own ladder, where nothing exact is known."""
+"""Grid convergence index: order, limit and uncertainty of a quantity from its own refinement, without an exact solution."""
 
 import math
 from dataclasses import dataclass, replace
@@ -10,15 +10,15 @@ from mpmverify.convergence.levels import Array, Numbers, levels, numbers
 from mpmverify.errors import UsageError
 
 AGREEMENT = 0.1
-"""Largest relative distance of the observed order from the formal one at which they agree."""
+"""Largest relative difference at which the observed and the formal order agree."""
 CONFIRMED, UNCONFIRMED = 1.25, 3.0
-"""Factors of safety where three levels observe the formal order, and elsewhere."""
+"""Factors of safety: where the order observed on three levels agrees with the formal one, and elsewhere."""
 LARGEST = 300.0
-"""Bound on |p log r| in the search for an order p: no quantity of doubles changes faster."""
+"""Bound on |p log r| in the search for the order p; double precision cannot show a faster change."""
 
 
 class Behaviour(StrEnum):
-    """How the three finest levels follow one another."""
+    """How a quantity changes over the three finest levels."""
 
     MONOTONE = "monotone"
     OSCILLATORY = "oscillatory"
@@ -30,21 +30,20 @@ class Behaviour(StrEnum):
 
 @dataclass(frozen=True)
 class GridConvergence:
-    """What the finest levels of a quantity say about its limit.
+    """Observed order, limit and uncertainty of a quantity from its finest levels.
 
     Parameters
     ----------
     behaviour : Behaviour
     order : float
-        Observed order, NaN where there is none.
+        Observed order; NaN where there is none.
     limit : float
-        Value that the quantity tends to, by Richardson extrapolation at the observed order; NaN where there is none, and for norms
-        of differences.
+        Richardson extrapolation at the observed order; NaN where there is no order, and for norms of differences.
     factor : float
         Factor of safety.
     uncertainty : float
-        Half-width of the band around the finest value that holds the limit, in the unit of the quantity; infinite where nothing
-        bounds it.
+        Half-width of the band around the finest value that contains the limit, in the unit of the quantity; infinite where no bound
+        is known.
     """
 
     behaviour: Behaviour
@@ -60,14 +59,15 @@ def grid_convergence(h: Numbers, value: Numbers | None = None, *, formal: float)
     Parameters
     ----------
     h, value : array-like
-        Sizes and values (n,) in any order, at whatever ratios, as `levels` takes them; at least two, of which the finest three count.
+        Sizes and values (n,) as `levels` takes them: in any order, at any refinement ratios. At least two levels are needed; the
+        three finest are used.
     formal : float
-        Order that the scheme has by theory.
+        Theoretical order of the scheme.
 
     Raises
     ------
     UsageError
-        If the series is none, or has one level, or the formal order is not positive.
+        If `levels` refuses the series, it has a single level, or the formal order is not positive and finite.
 
     Notes
     -----
@@ -75,11 +75,12 @@ def grid_convergence(h: Numbers, value: Numbers | None = None, *, formal: float)
 
         (f_3 - f_2)/(f_2 - f_1) = r_21^p (r_32^p - 1)/(r_21^p - 1).
 
-    It is the fixed point of Celik et al.; but the right-hand side grows with p throughout, so that p is bracketed here, where their
-    iteration need not converge, and keeps its sign. The uncertainty is F |f_2 - f_1|/(r_21^p - 1), with F = 1.25 where p is within 10 % of
-    the formal order and F = 3 elsewhere, and with the lesser of both orders; it is not raised to 1/2, as Oberkampf and Roy have
-    it, since the band of a slower quantity would then miss its limit. Where the values oscillate ever less it is three
-    times half of their range; where they diverge nothing bounds it. Two levels have the formal order and F = 3.
+    Celik et al. solve this equation by fixed-point iteration, which need not converge. The right-hand side increases monotonically
+    with p, so p is bracketed here; it may be negative. The uncertainty is F |f_2 - f_1|/(r_21^p - 1), where p is the smaller of the
+    observed and the formal order, F = 1.25 if the two agree within 10 % and F = 3 otherwise. Oberkampf and Roy use p >= 1/2; this
+    lower bound is not applied, because the band of a quantity that converges more slowly would miss its limit. For oscillations
+    that decrease, the uncertainty is three times half the range of the values; for divergent values it is infinite. With two
+    levels, p is the formal order and F = 3.
 
     References
     ----------
@@ -87,13 +88,13 @@ def grid_convergence(h: Numbers, value: Numbers | None = None, *, formal: float)
     116(3), 405-413, https://doi.org/10.1115/1.2910291
     Celik I. B., Ghia U., Roache P. J., Freitas C. J. (2008). Procedure for estimation and reporting of uncertainty due to
     discretization in CFD applications. Journal of Fluids Engineering 130(7), 078001, https://doi.org/10.1115/1.2960953
-    Oberkampf W. L., Roy C. J. (2010). Verification and Validation in Scientific Computing. Cambridge University Press, chapter 8, for
-    the 10 % and the lesser order.
+    Oberkampf W. L., Roy C. J. (2010). Verification and Validation in Scientific Computing. Cambridge University Press, chapter 8 (the
+    10 % and the smaller order).
     Stern F., Wilson R. V., Coleman H. W., Paterson E. G. (2001). Comprehensive approach to verification and validation of CFD
-    simulations, part 1. Journal of Fluids Engineering 123(4), 793-802, https://doi.org/10.1115/1.1412235, for the half range.
+    simulations, part 1. Journal of Fluids Engineering 123(4), 793-802, https://doi.org/10.1115/1.1412235 (half the range).
     """
     h, value = levels(h, value)
-    found = _of_steps(h, np.diff(value), formal)
+    found = _from_changes(h, np.diff(value), formal)
     if found.behaviour is not Behaviour.MONOTONE:
         return found
     rest = (value[-1] - value[-2]) / math.expm1(found.order * math.log(h[-2] / h[-1]))
@@ -101,7 +102,7 @@ def grid_convergence(h: Numbers, value: Numbers | None = None, *, formal: float)
 
 
 def grid_convergence_of_differences(h: Numbers, difference: Numbers, *, formal: float) -> GridConvergence:
-    """Grid convergence index of a field, from the norms of the differences of its solutions on neighbouring levels.
+    """Grid convergence index of a field, from norms of the differences between solutions on neighbouring levels.
 
     Parameters
     ----------
@@ -110,43 +111,43 @@ def grid_convergence_of_differences(h: Numbers, difference: Numbers, *, formal: 
     difference : array-like
         Norm of the difference of the solutions at h[k] and h[k + 1], (n - 1,).
     formal : float
-        Order that the scheme has by theory in that norm.
+        Theoretical order of the scheme in that norm.
 
     Raises
     ------
     UsageError
-        If the sizes do not fall, a norm is negative, the lengths do not match or the formal order is not positive.
+        If the sizes do not decrease, a norm is negative, the lengths do not match or the formal order is not positive and finite.
 
     Notes
     -----
-    As `grid_convergence` of a quantity whose steps are the differences: u_h = u + h^p w gives |h_k^p - h_{k+1}^p| |w|. Norms have no
-    sign, so that no oscillation shows.
+    The differences take the place of the changes of a scalar in `grid_convergence`: for u_h = u + h^p w, the norm of a difference is
+    |h_k^p - h_{k+1}^p| |w|. Norms have no sign, so oscillation cannot be detected.
     """
     h, difference = numbers(h, "h"), numbers(difference, "the differences")
     if h.ndim != 1 or difference.shape != (max(len(h) - 1, 0),):
         raise UsageError(f"n sizes have n - 1 differences: shapes {h.shape} and {difference.shape} do not match")
     levels(h, h)
     if np.any(np.diff(h) > 0) or np.any(difference < 0):
-        raise UsageError("give sizes from coarse to fine, and norms of differences, which are not negative")
-    return _of_steps(h, difference, formal)
+        raise UsageError("give decreasing sizes, and norms of differences that are not negative")
+    return _from_changes(h, difference, formal)
 
 
 def observed_order(coarse_ratio: float, fine_ratio: float, growth: float) -> float:
-    """Order p > -inf of a quantity that changes from level to level; infinite where it exceeds what doubles can show.
+    """Observed order p of a quantity on three levels; -inf or inf where |p| exceeds what double precision can show.
 
     Parameters
     ----------
     coarse_ratio, fine_ratio : float
-        Ratios of neighbouring sizes, coarser over finer, above 1: of the coarsest two levels and of the finest two.
+        Refinement ratios (coarser size over finer size, above 1) of the two coarser levels and of the two finer levels.
     growth : float
-        The coarse step over the fine one, positive.
+        Change between the two coarser levels over the change between the two finer ones; positive.
     """
-    from scipy.optimize import brentq  # a fifth of a second that only references need
+    from scipy.optimize import brentq  # imported here because it takes a fifth of a second and only references need it
 
     wide, narrow = math.log(coarse_ratio), math.log(fine_ratio)
 
     def excess(p: float) -> float:
-        # (r^p - 1)/(1 - s^-p) by expm1, and its limit: near p = 0 both are small.
+        # (r^p - 1)/(1 - s^-p): near p = 0 both terms are small, so use expm1, and the limit at p = 0.
         of_steps = math.expm1(p * wide) / -math.expm1(-p * narrow) if abs(p) * max(wide, narrow) > 1e-12 else wide / narrow
         return math.log(of_steps / growth)
 
@@ -158,8 +159,8 @@ def observed_order(coarse_ratio: float, fine_ratio: float, growth: float) -> flo
     return float(brentq(excess, -bound, bound, xtol=1e-14, rtol=1e-14))
 
 
-def _of_steps(h: Array, steps: Array, formal: float) -> GridConvergence:
-    """Grid convergence from the changes (n - 1,) between neighbouring levels (n,), coarsest first."""
+def _from_changes(h: Array, steps: Array, formal: float) -> GridConvergence:
+    """Grid convergence from the changes (n - 1,) between neighbouring levels of sizes (n,), coarsest first."""
     if not (math.isfinite(formal) and formal > 0):
         raise UsageError(f"the formal order must be positive, not {formal:g}")
     if not len(steps):

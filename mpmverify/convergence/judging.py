@@ -1,4 +1,4 @@
-"""How an error series becomes a verdict."""
+"""Verdict on an error series from its observed order."""
 
 from mpmverify.convergence.levels import Numbers, numbers
 from mpmverify.convergence.series import FLAT, ROUND_OFF, STEP_SLACK, Classification, Convergence, analyse
@@ -6,31 +6,31 @@ from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.errors import UsageError
 
 PLAUSIBLE = 12.0
-"""No scheme has a higher order in h or dt: a coarse level blew up, or a fine one is exact by accident."""
+"""Largest credible order in h or dt. A higher one means that a coarse level is unstable, or that a fine level is exact by chance."""
 
 
 def judge_order(series: Convergence, low: float, high: float) -> Judgement:
-    """Judge an order; the fit and the finest step of refinement must agree, or nothing is concluded.
+    """Judge the order of a series; INCONCLUSIVE unless the fit and the finest refinement step agree.
 
     Parameters
     ----------
     series : Convergence
-        As `analyse` makes it.
+        Result of `analyse`.
     low, high : float
-        Accepted band.
+        Accepted band of orders.
 
     Returns
     -------
     (Verdict, str)
-        With the reason in one sentence.
+        The verdict and its reason in one sentence.
 
     Notes
     -----
-    PASS when the interval lies in the band, the finest step strays from it by no more than `STEP_SLACK`, and the order is not
-    falling out of it unchecked. FAIL when the error stops, grows or its interval lies wholly outside, and the finest step
-    lies outside on the same side and is not on its way in: levels that are not asymptotic yet accuse nobody. No band reaches
-    down to what does not converge, nor beyond `PLAUSIBLE`. An error that grows in the finest step but has fallen fast enough in
-    the last two together may alternate.
+    PASS if the confidence interval lies inside the band, the finest step leaves the band by no more than `STEP_SLACK`, and the trend
+    of the observed orders does not lead below it. FAIL if the error has a floor, stagnates or grows, or the interval lies wholly
+    outside the band, and the finest step lies outside on the same side and does not approach the band: levels that are not yet
+    asymptotic are no proof of a fault. A series that does not converge passes in no band, and `PLAUSIBLE` bounds every band from
+    above. An error that grows in the finest step, but decreased fast enough over the last two steps together, may alternate.
     """
     kind, fit, used = series.classification, series.fit, int(series.kept.sum())
     if kind is Classification.NON_FINITE:
@@ -73,20 +73,25 @@ def verdict(
     round_off: float = ROUND_OFF,
     uncertainty: float = 0.0,
 ) -> Judgement:
-    """Verdict on an error series from any code, with the reason in one sentence.
+    """Judge an error series from any code.
 
     Parameters
     ----------
     h, error, round_off, uncertainty
-        As `analyse` takes them.
+        As in `analyse`.
     band : (float, float), optional
-        Accepted band of orders. Without one an error that does not converge fails, and nothing passes: an order without an
-        expectation is a measurement and no verification.
+        Accepted band of orders. Without a band, an error that does not converge fails and nothing passes, because an order without
+        an expected value verifies nothing.
+
+    Returns
+    -------
+    (Verdict, str)
+        The verdict and its reason in one sentence.
 
     Raises
     ------
     UsageError
-        If the series is none, as `analyse` says, or the band is no band.
+        If `analyse` refuses the series, or the band is not two numbers in ascending order.
     """
     edges = numbers((FLAT, PLAUSIBLE) if band is None else band, "the band of orders")
     if edges.shape != (2,):

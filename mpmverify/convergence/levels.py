@@ -1,4 +1,4 @@
-"""Levels of a series, from whatever holds numbers: sequences, arrays, pandas and xarray objects, neither of which is imported."""
+"""Levels of a series from sequences, arrays, pandas or xarray objects; pandas and xarray are not imported."""
 
 from typing import Any
 
@@ -9,9 +9,9 @@ from mpmverify.errors import UsageError
 
 Array = NDArray[np.float64]
 Numbers = Any
-"""Anything that numpy makes a one-dimensional array of numbers of."""
+"""Anything that numpy converts to a one-dimensional array of numbers."""
 SAME = 1e-6
-"""Relative distance of two sizes below which they are one: 0.1 and 0.30000000000000004 / 3 are no refinement."""
+"""Relative difference up to which two sizes count as equal: 0.1 and 0.30000000000000004 / 3 differ by round-off alone."""
 
 
 def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
@@ -20,15 +20,15 @@ def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
     Parameters
     ----------
     h : array-like
-        Sizes (n,); or, without `value`, a pandas Series of values with the sizes as its index, or an xarray DataArray of values
-        with a coordinate "h", or else the sizes as the coordinate of its dimension.
+        Sizes (n,). Without `value`: a pandas Series of values whose index holds the sizes, or an xarray DataArray of values whose
+        coordinate "h", or else the coordinate of its dimension, holds the sizes.
     value : array-like, optional
-        Values (n,). What is masked is NaN.
+        Values (n,). Masked values become NaN.
 
     Raises
     ------
     UsageError
-        If the arrays do not match, hold no numbers, or a size is not positive, finite and given once.
+        If the shapes do not match, the entries are not real numbers, or a size is not positive and finite or is given twice.
     """
     if value is None:
         h, value = _sizes_of(h), h
@@ -42,18 +42,19 @@ def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
     coarse_first = np.argsort(-h)
     h, value = h[coarse_first], value[coarse_first]
     for size in h[:-1][np.abs(np.diff(h)) <= SAME * h[:-1]]:
-        raise UsageError(f"h={size:g} is given twice: every level needs a size of its own")
+        raise UsageError(f"h={size:g} is given twice: every level needs a different size")
     return h, value
 
 
 def numbers(values: Numbers, what: str) -> Array:
-    """Real numbers as an array; a masked one is NaN, since numpy would bring to light what the mask hides.
+    """Real numbers as an array of floats.
 
     Parameters
     ----------
     values : array-like
+        Masked values become NaN; `numpy.asarray` would return the numbers under the mask.
     what : str
-        Names them in the error.
+        Name of the values in the error message.
 
     Raises
     ------

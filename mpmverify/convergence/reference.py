@@ -1,4 +1,4 @@
-"""Numerical references: a solution stands for the exact one only after it has qualified itself."""
+"""Numerical references: a numerical solution may replace the exact one only if it converges on its own refinement ladder."""
 
 import math
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from mpmverify.errors import UsageError
 
 @dataclass(frozen=True)
 class Reference:
-    """A numerical solution that may stand for the exact one, its finest level.
+    """The finest level of a numerical solution, as a replacement for the exact solution.
 
     Parameters
     ----------
     convergence : GridConvergence
-        What its own ladder says.
+        Grid convergence on the ladder of the reference.
     size : float
-        What the uncertainty is relative to, in the unit of the quantity.
+        Scale of the relative uncertainty, in the unit of the quantity.
     """
 
     convergence: GridConvergence
@@ -26,12 +26,12 @@ class Reference:
 
     @property
     def qualified(self) -> bool:
-        """Whether three levels converge monotonically, at an order that is one, to something that is not zero."""
+        """Whether the three finest levels converge monotonically, at a finite order above `FLAT`, and the size is not zero."""
         return FLAT < self.convergence.order < math.inf and self.size > 0
 
     @property
     def uncertainty(self) -> float:
-        """Relative uncertainty [1]; infinite when it is not qualified, so that it gates nothing."""
+        """Relative uncertainty [1]; infinite if the reference is not qualified, so that no error can be judged against it."""
         return self.convergence.uncertainty / self.size if self.qualified else math.inf
 
     @property
@@ -46,7 +46,7 @@ class Reference:
         if not self.size > 0:
             return f"not qualified: a size of {self.size:g} has no relative uncertainty"
         if found.behaviour is Behaviour.MONOTONE:
-            return f"not qualified: order {found.order:.2f} is that of nothing that converges"
+            return f"not qualified: order {found.order:.2f} does not show convergence"
         return f"not qualified: its finest levels are {found.behaviour}" + (
             "; three are needed" if found.behaviour is Behaviour.TOO_SHORT else ""
         )
@@ -58,32 +58,32 @@ def qualify(h: Numbers, value: Numbers | None = None, *, formal: float) -> Refer
     Parameters
     ----------
     h, value, formal
-        As `grid_convergence` takes them.
+        As in `grid_convergence`.
 
     Raises
     ------
     UsageError
-        As `grid_convergence` does.
+        As in `grid_convergence`.
     """
     h, value = levels(h, value)
     return Reference(grid_convergence(h, value, formal=formal), abs(float(value[-1])))
 
 
 def qualify_by_differences(h: Numbers, difference: Numbers, *, formal: float, size: float) -> Reference:
-    """Qualify a reference by the differences of its own solutions.
+    """Qualify a reference by the differences of its solutions on neighbouring levels.
 
     Parameters
     ----------
     h, difference, formal
-        As `grid_convergence_of_differences` takes them.
+        As in `grid_convergence_of_differences`.
     size : float
-        Norm of the finest solution, the one that the differences are taken in.
+        Norm of the finest solution: the same norm as that of the differences.
 
     Raises
     ------
     UsageError
-        If the size is negative or not finite.
+        If the size is negative or not finite, and as in `grid_convergence_of_differences`.
     """
     if not (math.isfinite(size) and size >= 0):
-        raise UsageError(f"the norm of the finest solution cannot be {size:g}")
+        raise UsageError(f"the norm of the finest solution must be finite and not negative, not {size:g}")
     return Reference(grid_convergence_of_differences(h, difference, formal=formal), float(size))

@@ -1,7 +1,8 @@
-"""What kind of error series it is, and its order with an interval.
+"""Analysis of an error series: its class, and its order with a confidence interval.
 
-A series is a set of levels (h, error). It is sorted by h; its levels at round-off are dropped, then those that its reference is
-too coarse for, then its coarse levels that are not yet asymptotic, each by name and with the reason; what is left is fitted.
+A series is a set of levels (h, error). The levels are sorted by h. Levels at round-off are dropped, then levels whose error is too
+close to the uncertainty of a numerical reference, then coarse levels that are not yet asymptotic. Each dropped level is named with
+the reason. The remaining levels are fitted.
 """
 
 import math
@@ -15,19 +16,19 @@ from mpmverify.convergence.levels import Array, Numbers, levels
 from mpmverify.errors import UsageError
 
 ROUND_OFF = 1e-12
-"""Relative error at and below which a level says nothing about the order of a double-precision scheme."""
+"""Relative error at and below which round-off of double precision hides the order."""
 REFERENCE_MARGIN = 10.0
-"""An error is told from that of its reference when it is so many times the reference's uncertainty."""
+"""Smallest ratio of a usable error to the uncertainty of the numerical reference."""
 FLAT = 0.25
-"""A series whose fitted order is smaller in magnitude does not converge (stagnant) nor diverge."""
+"""Largest magnitude of a fitted order at which a series is stagnant."""
 SHARP = 0.05
-"""No level is left out to sharpen an interval of the order that is narrower."""
+"""Width of the interval of the order below which no further coarse level is dropped."""
 STEP_SLACK = 0.1
-"""Relative change of an error that one step of refinement may owe to noise: four standard deviations where errors scatter by 2 %."""
+"""Change of log E in one refinement step that may be noise: four standard deviations where errors scatter by 2 %."""
 
 
 class Classification(StrEnum):
-    """What kind of error series it is."""
+    """Class of an error series."""
 
     ASYMPTOTIC = "asymptotic"
     PRE_ASYMPTOTIC = "pre-asymptotic"
@@ -43,7 +44,7 @@ class Classification(StrEnum):
 
 @dataclass(frozen=True)
 class Convergence:
-    """Full analysis of one error series, coarsest level first.
+    """Analysis of one error series, coarsest level first.
 
     Parameters
     ----------
@@ -58,10 +59,10 @@ class Convergence:
     fit : Fit or None
         None with fewer than two usable levels or a non-finite error.
     floor : FloorFit or None
-        Set when the series is at an error floor above round-off.
+        Fit with an error floor above round-off, where the floor is significant.
     classification : Classification
     limit : float
-        Levels at or below it were dropped: round-off, or what the reference cannot tell.
+        Levels with errors at or below it were dropped: round-off, or ten times the uncertainty of the reference.
     """
 
     h: Array
@@ -75,7 +76,7 @@ class Convergence:
     limit: float = ROUND_OFF
 
     def finest_step(self, low: float, high: float, change: float = 0.0) -> float:
-        """How far the finest step of refinement strays from a band of orders; at least two levels must be kept.
+        """Deviation of the finest refinement step from a band of orders; at least two levels must be kept.
 
         Parameters
         ----------
@@ -87,12 +88,13 @@ class Convergence:
         Returns
         -------
         float
-            Zero inside; below zero, log of how much too little the step reduces the error; above zero, how much too much.
+            log(E_coarse/E_fine) of the step, less the nearest value that the band allows: zero inside the band, negative if the error
+            decreases too little, positive if it decreases too much.
 
         Notes
         -----
-        The interval of a fit is that of its mean slope. A long straight start hides in it that the finest level has come to a
-        floor, turns up, or is too good to be true; the last step does not.
+        A fit yields the interval of the mean slope. After many levels on a straight line, this interval does not show that the finest
+        level has reached a floor, has grown or is implausibly small; the last step does.
         """
         coarse, fine = np.flatnonzero(self.kept)[-2:]
         width = math.log(self.h[coarse] / self.h[fine])
@@ -100,21 +102,22 @@ class Convergence:
         return min(0.0, reduction - low * width) + max(0.0, reduction - high * width)
 
     def last_two_steps(self, low: float) -> float:
-        """How far the finest two steps together stray below the order `low`, as `finest_step` has it: zero or less.
+        """Deviation of the two finest steps together below the order `low`, as in `finest_step`: zero or negative.
 
-        Where the sign of a correction alternates, every other step overstates the order and the next one understates it.
+        If a correction term alternates in sign, single steps overestimate and underestimate the order in turn.
         """
         coarse, _, fine = np.flatnonzero(self.kept)[-3:]
         return min(0.0, math.log(self.error[coarse] / self.error[fine]) - low * math.log(self.h[coarse] / self.h[fine]))
 
     def approaches(self, low: float, high: float) -> bool:
-        """Whether the order leaves the band [low, high] at the finest step and is on its way in; three levels must be kept at least.
+        """Whether the order at the finest step lies outside the band [low, high] but approaches it; needs at least three kept levels.
 
         Notes
         -----
-        It is when it has changed as much as it still has to go, from the first step to the last along a parabola through (log h,
-        log E); or when it gets there if the trend of the last three orders goes on: each change two thirds of the one before
-        where the trend lasts, in all twice the last one, and once more the last one where it does not.
+        Either of two estimates suffices. First: on a parabola fitted to (log h, log E), the order has changed towards the band, from
+        the first step to the last, by at least the distance that remains. Second: the order reaches the band if the `trend` of the
+        last three orders continues. Where the trend lasts, every further change is taken as two thirds of the one before it, twice
+        the last change in total; else one more change equal to the last one is added.
         """
         x = np.log(self.h[self.kept])
         order = np.polynomial.Polynomial.fit(x, np.log(self.error[self.kept]), 2).deriv()
@@ -125,7 +128,7 @@ class Convergence:
         return step != 0 and (turned or step * self.finest_step(low, high, 2 * change if lasts else change) <= 0)
 
     def plunges(self, high: float) -> bool:
-        """Whether a step takes the error to the limit that an order of `high` would leave above it."""
+        """Whether the error drops to `limit` in one step, although at order `high` it would stay above."""
         return any(
             math.log(self.error[k] / self.limit) > high * math.log(self.h[k] / self.h[k + 1]) + STEP_SLACK
             for k in np.flatnonzero(self.kept[:-1])
@@ -133,9 +136,10 @@ class Convergence:
         )
 
     def trend(self) -> tuple[float, bool]:
-        """Last change of the observed order when the last three rise or fall throughout, else zero; and whether it lasts.
+        """Last change of the observed order, and whether the trend lasts.
 
-        A change lasts that is at least two thirds of the one before it: the order is not settling.
+        The change is zero unless the last three observed orders increase or decrease monotonically. The trend lasts if this change is
+        at least two thirds of the one before it.
         """
         changes = np.diff(pairwise_orders(self.h[self.kept], self.error[self.kept])[-3:])
         if len(changes) < 2 or changes[0] * changes[1] <= 0:
@@ -157,31 +161,35 @@ def analyse(
     Parameters
     ----------
     h : array-like
-        Level sizes (n,), positive, finite and distinct, in any order: a cell size, a time step, or 1/ppc. Or the errors, in a
-        pandas Series with h as its index or an xarray DataArray with h as a coordinate.
+        Level sizes (n,), positive, finite and distinct, in any order: cell sizes, time steps, or 1/ppc. Alternatively the errors, in
+        a pandas Series with h as its index or an xarray DataArray with h as a coordinate.
     error : array-like, optional
-        Errors (n,), relative to the size of the exact solution for `round_off` to mean what it says; paired with h by position.
+        Errors (n,), paired with h by position. The default of `round_off` assumes errors relative to the size of the exact solution.
     expected : (float, float), optional
         Accepted band of orders; an interval wholly above it makes the series superconvergent.
     round_off : float
-        Levels at or below it are dropped.
+        Levels with errors at or below it are dropped.
     uncertainty : float
-        Of a numerical reference that stands for the exact solution, in the unit of the error (`Reference.uncertainty`): levels
-        of less than ten times as much are dropped.
+        Uncertainty of the numerical reference (`Reference.uncertainty`) in the unit of the error; 0 for an exact solution. Levels with
+        errors of at most ten times the uncertainty are dropped.
     confidence : float
-        Of the interval of the fitted order.
+        Confidence level of the interval of the fitted order.
+
+    Returns
+    -------
+    Convergence
 
     Raises
     ------
     UsageError
-        If the arrays do not match, or an h is not positive, finite and distinct, or an error is negative or no number, or the
-        uncertainty is.
+        If the shapes do not match, a size is not positive, finite and distinct, or an error or the uncertainty is negative or not a
+        number.
     """
     h, error = levels(h, error)
     if np.any(np.isfinite(error) & (error < 0)):
         raise UsageError("an error norm cannot be negative")
     if not uncertainty >= 0:
-        raise UsageError(f"the uncertainty of a reference cannot be {uncertainty:g}: give a number that is not negative")
+        raise UsageError(f"the uncertainty of a reference must not be negative or NaN, but is {uncertainty:g}")
     limit = max(round_off, REFERENCE_MARGIN * uncertainty)
     pairwise = pairwise_orders(h, error)
 
@@ -210,7 +218,7 @@ def analyse(
 
     floor = significant_floor(h[kept], error[kept])
     fit = fit_order(h[kept], error[kept], confidence)
-    # A coarse level goes when four finer ones are left and the interval, not sharp yet, at least halves without it.
+    # Drop the coarsest level while at least four levels remain, the interval is wider than SHARP, and dropping at least halves it.
     while kept.sum() > 4 and floor is None and fit.high - fit.low > SHARP:
         finer = kept.copy()
         finer[np.flatnonzero(kept)[0]] = False

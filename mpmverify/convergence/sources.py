@@ -1,4 +1,4 @@
-"""Sources of an error told apart: a small design of runs in; the size, exponent and interval of each source out; no solver near."""
+"""Separation of error sources: from a small design of runs, the amplitude, exponent and confidence interval of each source."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,42 +9,42 @@ from scipy.special import fdtrc
 
 from mpmverify.convergence import ROUND_OFF
 from mpmverify.convergence.levels import Array
-from mpmverify.convergence.superposition import EXPONENTS, Model, Sum, student
+from mpmverify.convergence.superposition import EXPONENTS, Model, SumFit, student_quantile
 from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.errors import UsageError
 
 REST = "rest"
-"""What stays when the one size that a design varies goes to zero."""
-HELD = {REST: 0.0}
-"""Exponents that are known."""
-SEEN = 0.05
-"""Part of the error that a source must have on some run: less may be the higher terms of another one."""
+"""The constant error that remains when the only varied size of a design goes to zero."""
+KNOWN_EXPONENTS = {REST: 0.0}
+"""Exponents that are not fitted."""
+LEAST_SHARE = 0.05
+"""Smallest share of the error that a source must have on some run; a smaller one may be a higher-order term of another source."""
 SIGNIFICANCE = 1e-3
-"""Probability at and above which it may be noise that a source improves the fit."""
+"""Significance level of the F test: a source whose p-value is at or above it may be noise."""
 MISFIT = 0.03
 """Root mean square of log(E/fit) above which the sources do not explain the errors."""
-FAR = 100.0
-"""How far above round-off an error is that no run may lack."""
-EXACT = 1e-24
+FAR_ABOVE = 100.0
+"""Ratio of a predicted error to round-off at and above which a run must not be at round-off."""
+EXACT_SQUARES = 1e-24
 """Sum of squares of relative deviations at which a fit is exact to round-off."""
-INDEPENDENT = 0.1
-"""Least eigenvalue of the correlation of the log sizes; at zero, one of them follows from the others."""
+LEAST_EIGENVALUE = 0.1
+"""Smallest allowed eigenvalue of the correlation matrix of the log sizes; it is zero if one size is a product of powers of others."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """One source of error, of norm amplitude * size^exponent.
+    """One source of error, whose error field has the norm amplitude * size^exponent.
 
     Parameters
     ----------
     size : str
-        Name of its size.
+        Name of the size with which the source vanishes.
     amplitude : float
-        In the unit of the error per unit of size^exponent; 0 when the source is not seen.
+        In the unit of the error per unit of size^exponent; 0 if the source is not seen.
     exponent, low, high : float
-        With its interval; NaN when the source is not seen.
+        Exponent and the ends of its confidence interval; NaN if the source is not seen.
     share : float
-        Largest part that it has in the sum of all sources, on any run; 0 when it is not seen.
+        Largest share in the sum of all sources on any run [1]; 0 if the source is not seen.
     """
 
     size: str
@@ -56,23 +56,24 @@ class Source:
 
     @property
     def seen(self) -> bool:
+        """Whether the source is significant on these runs."""
         return self.share > 0
 
 
 @dataclass(frozen=True)
 class Separation:
-    """The sources of an error over a design.
+    """The sources of an error over a design of runs.
 
     Parameters
     ----------
     sources : tuple of Source
-        Empty when they cannot be told apart.
+        Empty if they cannot be separated.
     cosine : mapping of (str, str) to float
-        Between the error fields of two sources that are seen: 1 where they add, 0 where they are orthogonal, -1 where they cancel.
+        Cosine between the error fields of two seen sources: 1 where they add, 0 where they are orthogonal, -1 where they cancel.
     residual : float
-        Root mean square of log(E/fit) by its degrees of freedom; NaN when nothing was fitted.
+        Root mean square of log(E/fit), with the degrees of freedom as divisor; NaN if nothing was fitted.
     obstacle : str
-        Why the sources cannot be told apart, or may not be; "" when they are.
+        Why the sources cannot be separated, or why the separation is not reliable; "" if it is.
     """
 
     sources: tuple[Source, ...] = ()
@@ -82,27 +83,31 @@ class Separation:
 
 
 def separate(sizes: Mapping[str, ArrayLike], error: ArrayLike) -> Separation:
-    """Tell the sources of an error apart.
+    """Separate the sources of an error.
 
     Parameters
     ----------
     sizes : mapping of str to array-like
-        The sizes that a design varies, each (n,), positive and finite, vanishing with its source: h, dt, 1/ppc or h/ppc. A
-        single one is fitted beside a constant, the `REST`.
+        The sizes that the design varies, each (n,), positive and finite: h, dt, 1/ppc or h/ppc. Each source vanishes with its size.
+        A single size is fitted together with a constant, the `REST`.
     error : array-like
-        Errors (n,), relative to the size of the exact solution, in the L2 norm or one that fields add in like vectors.
+        Errors (n,) relative to the size of the exact solution, in the L2 norm or another one that an inner product defines.
+
+    Returns
+    -------
+    Separation
 
     Raises
     ------
     UsageError
-        If the arrays do not match, a size is not positive and finite, or an error is negative.
+        If the shapes do not match, a size is not positive and finite, or an error is negative.
 
     Notes
     -----
-    Source j has an error field of norm a_j s_j^p_j; fields add as vectors, with cosines that the design does not change. Log E
-    is fitted by least squares. Exponents have the 99 % interval of the linearised fit by Student's t, as far beyond it as another
-    fit is as good. A source without which the fit is as good (F test), or which has less than a twentieth of the error on every
-    run, is not seen and has no exponent.
+    Source j has an error field of norm a_j s_j^p_j. The fields add as vectors; the cosines between them are assumed equal on all
+    runs. Log E is fitted by least squares. The interval of an exponent is the 99 % interval of the linearised fit by Student's t,
+    extended as far as a fit with another exponent is equally good. A source is not seen, and has no exponent, if the fit without it
+    is as good (F test) or if its share of the error is below 5 % on every run.
     """
     table = {name: np.asarray(size, dtype=float) for name, size in sizes.items()}
     error = np.asarray(error, dtype=float)
@@ -125,28 +130,34 @@ def _separated(table: Mapping[str, Array], error: Array) -> Separation:
     centred = {name: log - log.mean() for name, log in logs.items()}
     if len(table) == 1:
         centred[REST] = np.zeros(int(kept.sum()))
-    model = Model(centred, np.log(error[kept]), HELD)
+    model = Model(centred, np.log(error[kept]), KNOWN_EXPONENTS)
     fit = model.fit()
-    while len(centred) > 1 and (unseen := _unseen(centred, model.log_error, fit)):
+    while len(centred) > 1 and (unseen := _least_unseen(centred, model.log_error, fit)):
         del centred[unseen]
-        model = Model(centred, model.log_error, HELD)
+        model = Model(centred, model.log_error, KNOWN_EXPONENTS)
         fit = model.fit()
     known = {}
     for k, (name, log_size) in enumerate(centred.items()):
         exponent = float(fit.exponent[k])
         mean = logs[name].mean() if name in logs else 0.0
         amplitude = float(np.exp(np.log(fit.magnitude[k, 0]) - exponent * (log_size[0] + mean)))
-        low, high = (np.nan, np.nan) if name in HELD else (_end(centred, model.log_error, fit, k, side) for side in (-1, 1))
+        low, high = (
+            (np.nan, np.nan)
+            if name in KNOWN_EXPONENTS
+            else (_interval_end(centred, model.log_error, fit, k, side) for side in (-1, 1))
+        )
         known[name] = Source(name, amplitude, exponent, low, high, float(fit.share[k]))
     names = (*table, *([REST] if len(table) == 1 else []))
     obstacle = f"the sources do not explain the errors: they are off by {fit.residual:.0%}" if fit.residual > MISFIT else ""
-    if unlike := int(np.sum(_predicted(known, fit.cosine, {n: size[~kept] for n, size in table.items()}) > FAR * ROUND_OFF)):
+    if unlike := int(
+        np.sum(_predicted(known, fit.cosine, {n: size[~kept] for n, size in table.items()}) > FAR_ABOVE * ROUND_OFF)
+    ):
         obstacle = f"{unlike} runs are at round-off, where the sources of the others have errors far above it"
     return Separation(tuple(known.get(name, Source(name)) for name in names), fit.cosine, fit.residual, obstacle)
 
 
 def _predicted(known: Mapping[str, Source], cosine: Mapping[tuple[str, str], float], table: Mapping[str, Array]) -> Array:
-    """Errors that the sources would have on other runs."""
+    """Errors that the fitted sources predict on other runs."""
     parts = {name: source.amplitude * table[name] ** source.exponent for name, source in known.items() if name in table}
     square = sum((part**2 for part in parts.values()), np.zeros(len(next(iter(table.values())))))
     for (one, other), value in cosine.items():
@@ -156,11 +167,11 @@ def _predicted(known: Mapping[str, Source], cosine: Mapping[tuple[str, str], flo
 
 
 def _obstacle(logs: Mapping[str, Array], runs: int) -> str:
-    """Say why a design cannot tell the sources apart; "" when it can."""
+    """Return why a design cannot separate the sources; "" if it can."""
     few = [name for name, log in logs.items() if len(np.unique(log.round(9))) < 3]
     if few:
         return f"an exponent needs three values of {few[0]} on runs above round-off"
-    if np.linalg.eigvalsh(np.atleast_2d(np.corrcoef(list(logs.values())))).min() < INDEPENDENT:
+    if np.linalg.eigvalsh(np.atleast_2d(np.corrcoef(list(logs.values())))).min() < LEAST_EIGENVALUE:
         return f"{' and '.join(logs)} fall together: such runs measure the least of their exponents only"
     sources = max(2, len(logs))
     parameters = sources + len(logs) + sources * (sources - 1) // 2
@@ -169,30 +180,32 @@ def _obstacle(logs: Mapping[str, Array], runs: int) -> str:
     return ""
 
 
-def _unseen(centred: Mapping[str, Array], log_error: Array, fit: Sum) -> str:
-    """Return the least of the sources that are not seen; "" when all are."""
+def _least_unseen(centred: Mapping[str, Array], log_error: Array, fit: SumFit) -> str:
+    """Return the smallest source that is not seen; "" if all are seen."""
     for k in np.argsort(fit.share, kind="stable"):
         name = tuple(centred)[k]
-        without = Model({other: size for other, size in centred.items() if other != name}, log_error, HELD).fit()
-        spared = without.freedom - fit.freedom
-        gain = max(without.squares - fit.squares, 0.0) / spared / max(fit.squares / fit.freedom, EXACT)
-        if fit.share[k] < SEEN or fdtrc(spared, fit.freedom, gain) >= SIGNIFICANCE:
+        without = Model({other: size for other, size in centred.items() if other != name}, log_error, KNOWN_EXPONENTS).fit()
+        removed = without.degrees_of_freedom - fit.degrees_of_freedom
+        variance = max(fit.squares / fit.degrees_of_freedom, EXACT_SQUARES)
+        f_statistic = max(without.squares - fit.squares, 0.0) / removed / variance
+        if fit.share[k] < LEAST_SHARE or fdtrc(removed, fit.degrees_of_freedom, f_statistic) >= SIGNIFICANCE:
             return name
     return ""
 
 
-def _end(centred: Mapping[str, Array], log_error: Array, fit: Sum, k: int, side: int) -> float:
-    """Return the end of the interval of an exponent: that of the linearised fit, or beyond it as far as another fit is as good.
+def _interval_end(centred: Mapping[str, Array], log_error: Array, fit: SumFit, k: int, side: int) -> float:
+    """Return the lower (side -1) or upper (+1) end of the interval of exponent k.
 
-    Near the end of its range a source may be mistaken for one of another exponent and cosine, which no linearisation shows.
+    It is the end of the linearised interval, moved outwards as long as a fit with the exponent fixed there is equally good. Some sources
+    can be confused with one of another exponent and cosine, which the linearisation does not show.
     """
-    name, exponent, spread = tuple(centred)[k], float(fit.exponent[k]), float(fit.spread[k])
-    if not np.isfinite(spread):
+    name, exponent, half_width = tuple(centred)[k], float(fit.exponent[k]), float(fit.half_width[k])
+    if not np.isfinite(half_width):
         return side * np.inf
-    worst = fit.squares * (1 + student(fit.freedom) ** 2 / fit.freedom) + EXACT
-    end, step = exponent + side * spread, max(0.25 * spread, 0.01)
+    worst = fit.squares * (1 + student_quantile(fit.degrees_of_freedom) ** 2 / fit.degrees_of_freedom) + EXACT_SQUARES
+    end, step = exponent + side * half_width, max(0.25 * half_width, 0.01)
     while 0 < end + side * step < 2 * EXPONENTS[1]:
-        other = Model(centred, log_error, HELD | {name: end + side * step}).fit(starts=2)
+        other = Model(centred, log_error, KNOWN_EXPONENTS | {name: end + side * step}).fit(starts=2)
         if other.squares > worst:
             break
         end, step = end + side * step, 2 * step
@@ -206,12 +219,12 @@ def judge_sources(found: Separation, bands: Sequence[tuple[str, float, float]]) 
     ----------
     found : Separation
     bands : sequence of (size, low, high)
-        Accepted band of the exponent of each source that is judged, by the size that it vanishes with.
+        Accepted band of the exponent of each judged source, by the size with which the source vanishes.
 
     Returns
     -------
     (Verdict, str)
-        FAIL when an interval lies wholly outside its band, PASS when all lie inside, else INCONCLUSIVE; with the reason.
+        The verdict and its reason: FAIL if an interval lies wholly outside its band, PASS if all lie inside, else INCONCLUSIVE.
     """
     if found.obstacle:
         return Verdict.INCONCLUSIVE, found.obstacle
@@ -230,7 +243,7 @@ def _judge(source: Source, low: float, high: float) -> Verdict:
 
 
 def describe(source: Source) -> str:
-    """Say what is known of a source."""
+    """Return the exponent, interval and share of a source as text."""
     if not source.seen:
         return f"{source.size}: not seen"
     return f"{source.size}: {source.exponent:.3f}, interval [{source.low:.3f}, {source.high:.3f}], up to {source.share:.0%}"

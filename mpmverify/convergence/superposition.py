@@ -1,7 +1,7 @@
-"""Errors that add as vectors: the least-squares fit of a sum of power laws to the norm of an error.
+"""Least-squares fit of superposed error fields, each with a power law for its norm, to the norm of the total error.
 
-Every source j contributes an error field of norm a_j s_j^p_j, a power of its size s_j, and the cosine c_jk between two fields is
-the same at all levels: E^2 = sum_jk c_jk a_j s_j^p_j a_k s_k^p_k. With c = 1 that is E = A h^p + B dt^q + C ppc^-r.
+Source j contributes an error field of norm a_j s_j^p_j, where s_j is its size. The cosine c_jk between two fields is assumed equal on
+all levels: E^2 = sum_jk c_jk a_j s_j^p_j a_k s_k^p_k. With all c_jk = 1 this is E = A h^p + B dt^q + C ppc^-r.
 """
 
 import itertools
@@ -15,22 +15,24 @@ from scipy.special import stdtrit
 from mpmverify.convergence.levels import Array
 
 CONFIDENCE = 0.99
-"""Of the intervals: several exponents are judged at once."""
+"""Confidence level of the intervals; above 95 % because several exponents are judged at once."""
 EXPONENTS = (0.2, 8.0)
-"""Least and greatest exponent that is looked for."""
+"""Bounds of the fitted exponents."""
 GRID = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
-"""Exponents from which a fit may start."""
+"""Exponents of the starting points."""
 LARGEST = 50.0
-"""Log of the largest ratio of a source to the error: two that cancel may be large, but not beyond what floats hold."""
+"""Bound on |log| of the ratio of a source to the error: sources that cancel may exceed the error, but must not overflow."""
 STARTS = 4
+"""Number of starting points of a fit."""
 NEGLIGIBLE = 1e-6
-"""Part of the error, squared, with which a source starts that the linear problem would have negative."""
-LEAST = 1e-300
+"""Squared share of the error at which a source starts if the linear problem makes its square smaller or negative."""
+LEAST_SQUARE = 1e-300
+"""Smallest E^2 of a fit, so that its logarithm exists where sources cancel."""
 
 
 @dataclass(frozen=True)
-class Sum:
-    """A fitted sum of m sources, in the order of their names.
+class SumFit:
+    """A fitted superposition of m sources on n runs, in the order of their names.
 
     Parameters
     ----------
@@ -38,30 +40,31 @@ class Sum:
         Norm of each source on each run (m, n), in the unit of the error.
     exponent : Array
         (m,).
-    spread : Array
-        Half the width of the interval that the linearised fit gives each exponent, by Student's t (m,); NaN where it is held.
+    half_width : Array
+        Half-width of the confidence interval of each exponent (m,), by Student's t from the linearised fit; NaN for known exponents.
     cosine : mapping of (str, str) to float
+        Cosine between the error fields of two sources, by their names.
     squares : float
         Sum of the squares of log(E/fit).
-    freedom : int
-        Runs less parameters.
+    degrees_of_freedom : int
+        Number of runs less number of parameters.
     """
 
     magnitude: Array
     exponent: Array
-    spread: Array
+    half_width: Array
     cosine: Mapping[tuple[str, str], float]
     squares: float
-    freedom: int
+    degrees_of_freedom: int
 
     @property
     def residual(self) -> float:
-        """Root mean square of log(E/fit) by the degrees of freedom."""
-        return float(np.sqrt(self.squares / self.freedom))
+        """Root mean square of log(E/fit), with the degrees of freedom as divisor."""
+        return float(np.sqrt(self.squares / self.degrees_of_freedom))
 
     @property
     def share(self) -> Array:
-        """Largest part that each source has in the sum of all, on any run (m,)."""
+        """Largest share of each source in the sum of all sources, over the runs (m,)."""
         largest: Array = np.max(self.magnitude / self.magnitude.sum(axis=0), axis=1)
         return largest
 
@@ -72,11 +75,11 @@ class Model:
     Parameters
     ----------
     log_sizes : mapping of str to Array
-        Log of the size of each source, with zero mean (n,).
+        Log of the size of each source (n,), with zero mean.
     log_error : Array
         (n,).
     held : mapping of str to float
-        Exponents that are known.
+        Exponents that are known and not fitted, by the name of the source.
     """
 
     def __init__(self, log_sizes: Mapping[str, Array], log_error: Array, held: Mapping[str, float]) -> None:
@@ -103,7 +106,7 @@ class Model:
         by_log_a = own / square
         return np.concatenate([by_log_a, (by_log_a * self.log_sizes)[self.free], product / square]).T
 
-    def fit(self, starts: int = STARTS) -> Sum:
+    def fit(self, starts: int = STARTS) -> SumFit:
         """Best of the fits from several starts."""
         size = float(np.mean(self.log_error))
         amplitudes = [(size - LARGEST, size + LARGEST)] * self.m
@@ -114,17 +117,24 @@ class Model:
             for x in np.clip(self._starts()[:starts], *bounds)
         ]
         best = min(fits, key=lambda found: float(found.cost))
-        x, freedom, squares = best.x, len(self.log_error) - self.parameters, 2 * float(best.cost)
-        # What has come to a bound is not varied; the interval of an exponent there is not known.
+        x, degrees_of_freedom, squares = best.x, len(self.log_error) - self.parameters, 2 * float(best.cost)
+        # Parameters at a bound are left out of the linearisation: the interval of such an exponent is unknown.
         inside = np.all(np.abs(x - bounds) > 1e-6, axis=0)
         slopes = self.jacobian(x)[:, inside]
         variance = np.full(self.parameters, np.inf)
-        variance[inside] = np.diag(np.linalg.pinv(slopes.T @ slopes, hermitian=True)) * squares / freedom
-        spread = np.full(self.m, np.nan)
-        spread[self.free] = student(freedom) * np.sqrt(variance[self.m : self.m + self.f])
+        variance[inside] = np.diag(np.linalg.pinv(slopes.T @ slopes, hermitian=True)) * squares / degrees_of_freedom
+        half_width = np.full(self.m, np.nan)
+        half_width[self.free] = student_quantile(degrees_of_freedom) * np.sqrt(variance[self.m : self.m + self.f])
         pairs = [(self.names[i], self.names[j]) for i, j in zip(self.first, self.second, strict=True)]
         _, exponent, cosine = self._parts(x)
-        return Sum(self._magnitudes(x), exponent, spread, dict(zip(pairs, cosine.tolist(), strict=True)), squares, freedom)
+        return SumFit(
+            self._magnitudes(x),
+            exponent,
+            half_width,
+            dict(zip(pairs, cosine.tolist(), strict=True)),
+            squares,
+            degrees_of_freedom,
+        )
 
     def _parts(self, x: Array) -> tuple[Array, Array, Array]:
         exponent = self.held.copy()
@@ -143,10 +153,10 @@ class Model:
         own = magnitude**2
         for k, mixed in enumerate(cosine[:, None] * product):
             own[[self.first[k], self.second[k]]] += mixed
-        return np.maximum(own.sum(axis=0), LEAST), own, product
+        return np.maximum(own.sum(axis=0), LEAST_SQUARE), own, product
 
     def _starts(self) -> Array:
-        """Best parameters on a grid of exponents: there E^2 is linear in the products c_jk a_j a_k, fitted relative to the error."""
+        """Starting points: the best on a grid of exponents, where E^2 is linear in the products c_jk a_j a_k and is fitted by them."""
         grid = np.array(list(itertools.product(GRID, repeat=self.f))).reshape(len(GRID) ** self.f, self.f)
         exponent = np.tile(self.held, (len(grid), 1))
         exponent[:, self.free] = grid
@@ -161,6 +171,6 @@ class Model:
         return best
 
 
-def student(freedom: int) -> float:
-    """Quantile of Student's t for a two-sided interval."""
-    return float(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
+def student_quantile(degrees_of_freedom: int) -> float:
+    """Quantile of Student's t for a two-sided interval of level `CONFIDENCE`."""
+    return float(stdtrit(degrees_of_freedom, 0.5 + CONFIDENCE / 2))

@@ -1,4 +1,4 @@
-"""Error series in a CSV file, one level a line."""
+"""Error series in a CSV file, with one level in each line."""
 
 import csv
 import io
@@ -16,14 +16,15 @@ DELIMITERS = ",;\t"
 
 @dataclass(frozen=True)
 class Table:
-    """Cells of a CSV file by named columns.
+    """Content of a CSV file with named columns.
 
     Parameters
     ----------
     path : Path
     names : tuple of str
+        Names of the columns.
     rows : tuple of (int, tuple of str)
-        Line number in the file, and the cells.
+        Line number in the file and the cells of each row.
     """
 
     path: Path
@@ -31,17 +32,17 @@ class Table:
     rows: tuple[tuple[int, tuple[str, ...]], ...]
 
     def numbers(self, name: str) -> Array:
-        """One column (n,).
+        """Return one column as numbers (n,).
 
         Parameters
         ----------
         name : str
-            Its name.
+            Name of the column.
 
         Raises
         ------
         UsageError
-            If there is no such column, or a cell of it is no number; "nan" and "inf" are numbers.
+            If there is no such column, or a cell in it is not a number; "nan" and "inf" are numbers.
         """
         if name not in self.names:
             raise UsageError(f"'{self.path}' has no column {name!r}: choose from {', '.join(self.names)}")
@@ -49,32 +50,34 @@ class Table:
         for line, cells in self.rows:
             if not _is_number(cells[column]):
                 raise UsageError(
-                    f"'{self.path}', line {line}: {cells[column]!r} in column {name!r} is no number; leave the column out, or mend it"
+                    f"'{self.path}', line {line}: {cells[column]!r} in column {name!r} is not a number: remove the column, or correct it"
                 )
         return np.array([float(cells[column]) for _, cells in self.rows])
 
 
 def read_table(path: Path) -> Table:
-    """Read a CSV file whose first line names the columns, which commas, semicolons or tabs separate; empty lines are skipped.
+    """Read a CSV file whose first line names the columns.
+
+    Columns are separated by commas, semicolons or tabs. Empty lines are skipped.
 
     Parameters
     ----------
     path : Path
-        A text in UTF-8.
+        A text file in UTF-8.
 
     Raises
     ------
     ResultsError
-        If the file cannot be read, or is no text.
+        If the file cannot be read or is not text.
     UsageError
-        If it has no line of names or no level, a name is missing or stands twice, or a line has another number of cells.
+        If the file has no line of names or no level, a name is missing or occurs twice, or a line has another number of cells.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise ResultsError(f"cannot read '{path}' ({error.strerror}): choose another file") from error
     except UnicodeDecodeError as error:
-        raise ResultsError(f"'{path}' is no text: give a CSV file with a column h and one of errors") from error
+        raise ResultsError(f"'{path}' is not text: give a CSV file with a column h and a column of errors") from error
     first = text.lstrip().partition("\n")[0]
     delimiter = max(DELIMITERS, key=first.count)
     try:
@@ -90,15 +93,15 @@ def read_table(path: Path) -> Table:
             named = f"{len(names)} column{'s are' if len(names) != 1 else ' is'} named"
             raise UsageError(f"'{path}', line {line} has {found} where {named}: the first line must name every column")
     if len(lines) < 2:
-        raise UsageError(f"'{path}' has no level below its line of names")
+        raise UsageError(f"'{path}' has no level below the line of column names: add one line for each level")
     return Table(path, names, tuple(lines[1:]))
 
 
 def _check_names(path: Path, names: Sequence[str]) -> None:
     if not names:
-        raise UsageError(f"'{path}' is empty: give a CSV file with a column h and one of errors")
+        raise UsageError(f"'{path}' is empty: give a CSV file with a column h and a column of errors")
     if any(_is_number(name) for name in names):
-        raise UsageError(f"'{path}' must name its columns in the first line, such as h,error, and not begin with numbers")
+        raise UsageError(f"'{path}' begins with numbers: name the columns in the first line, such as h,error")
     if "" in names or len(set(names)) < len(names):
         raise UsageError(f"'{path}' must name every column in the first line, and each name once")
 
@@ -108,4 +111,4 @@ def _is_number(cell: str) -> bool:
         float(cell)
     except ValueError:
         return False
-    return "_" not in cell  # 1_000 is a number to Python alone
+    return "_" not in cell  # Python reads 1_000 as a number, but spreadsheets do not

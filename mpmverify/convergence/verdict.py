@@ -1,11 +1,11 @@
-"""Three states of a judgement, and ERROR where there is nothing to judge."""
+"""Verdicts: PASS, INCONCLUSIVE and FAIL, and ERROR where there is nothing to judge."""
 
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
 
 
 class Verdict(StrEnum):
-    """Ordered from best to worst."""
+    """Verdicts, ordered from best to worst."""
 
     PASS = "PASS"
     INCONCLUSIVE = "INCONCLUSIVE"
@@ -14,7 +14,7 @@ class Verdict(StrEnum):
 
 
 def worst(verdicts: Iterable[Verdict]) -> Verdict:
-    """Return the worst of some verdicts; nothing judged is inconclusive."""
+    """Return the worst verdict; INCONCLUSIVE if there is none."""
     order = list(Verdict)
     return max(verdicts, key=order.index, default=Verdict.INCONCLUSIVE)
 
@@ -24,7 +24,19 @@ Judgement = tuple[Verdict, str]
 
 
 def exit_status(verdicts: Sequence[Verdict], *, strict: bool = False) -> int:
-    """Exit status of a gate: 0 pass, 1 a gate failed, 3 a run erred or nothing was judged, 4 inconclusive under `strict`."""
+    """Exit status of a gate.
+
+    Parameters
+    ----------
+    verdicts : sequence of Verdict
+    strict : bool
+        Whether an inconclusive verdict counts.
+
+    Returns
+    -------
+    int
+        By the worst verdict: 0 for PASS, 1 for FAIL, 3 for ERROR or without any verdict; for INCONCLUSIVE 4 with `strict`, else 0.
+    """
     verdict = worst(verdicts) if verdicts else Verdict.ERROR
     if verdict is Verdict.INCONCLUSIVE:
         return 4 if strict else 0

@@ -1,7 +1,7 @@
-"""What a study may demand of a series: criteria, what they measure on a solution, and their failure sentences.
+"""Criteria that a study declares for a series, the quantities that they measure on a solution, and the sentences of their verdicts.
 
-Here belong error norms, measurements on waves, sums and histories, the evidence that runs leave behind, and the criteria on it. To
-add a criterion is to write its class and to enter it in `CRITERIA`. Verdicts on a whole study are made in `judgement`.
+Here belong error norms, measurements on waves, sums and histories, the evidence that is collected from runs, and the criteria that
+judge it. To add a criterion, write its class and enter it in `CRITERIA`. Verdicts on a whole study are made in `judgement`.
 """
 
 from collections.abc import Mapping
@@ -59,4 +59,4 @@ CRITERIA: Mapping[str, type[Any]] = {
         FrontPosition,
     )
 }
-"""Criteria by the name under which files store them."""
+"""Criteria by name, as stored in results files."""

@@ -1,4 +1,4 @@
-"""What a criterion is: what it measures on a solution, and how it judges the evidence of a series."""
+"""Protocol of a criterion: it measures quantities on each solution and judges the evidence of a series."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -13,42 +13,42 @@ from mpmverify.solution import Solution
 
 @dataclass(frozen=True)
 class Setting:
-    """What a run was to solve: the problem with its exact solution, and on which level."""
+    """Problem, with its exact solution, and discretisation of a run."""
 
     problem: VerificationProblem
     discretisation: Discretisation
 
 
 class Criterion(Protocol):
-    """What must hold."""
+    """A requirement on a series of runs."""
 
     @property
     def source(self) -> str:
-        """Where the expectation comes from."""
+        """Source of the expectation, such as a citation."""
 
     @property
     def title(self) -> str:
-        """What is judged, in a few words."""
+        """Short description of what is judged."""
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        """Numbers that the judgement needs and only the solution can give, by name."""
+        """Return the numbers that the judgement needs from a solution, in addition to its error norms, by name."""
 
     def judge(self, evidence: Evidence) -> Judgement:
-        """Verdict on completed runs, with the reason in one sentence."""
+        """Return the verdict on the runs of a series, with the reason in one sentence."""
 
 
 class OnOutcomes:
-    """Base of a criterion on how runs end: judged even when runs did not complete."""
+    """Base class of criteria on the outcomes of runs: judged even when runs did not complete."""
 
 
 class OnLimits:
-    """Base of a criterion that expects a limit of the scheme, a stall or an instability: its series has no regression verdict.
+    """Base class of criteria that expect a limit of the scheme (a stall or an instability): their series have no regression verdict.
 
-    Where particles cross cells the error is noise, and the last digits of another compiler change the first ones. An unstable run
-    has no error, and at the limit of stability rounding decides how far a wave has grown.
+    The errors of such series are not reproducible. Cell crossings of particles amplify differences in round-off between compilers,
+    an unstable run has no error, and at the stability limit round-off determines the amplitude of the growing wave.
     """
 
 
 def has_baseline(criteria: Iterable[Criterion]) -> bool:
-    """Whether a series with these criteria is compared with the baseline: not where one expects a limit of the scheme."""
+    """Whether a series with these criteria is compared with the baseline: no criterion expects a limit of the scheme."""
     return not any(isinstance(criterion, OnLimits) for criterion in criteria)

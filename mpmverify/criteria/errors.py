@@ -14,22 +14,22 @@ from mpmverify.criteria.norms import NORMS
 from mpmverify.solution import Solution
 
 
-class OfErrors:
-    """A criterion that needs the stored error norms alone."""
+class ErrorCriterion:
+    """Base class of criteria on the stored error norms, which measure nothing else."""
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         return {}
 
 
 @dataclass(frozen=True)
-class Order(OfErrors):
-    """The fitted order lies in [low, high], and so does the finest step of refinement.
+class Order(ErrorCriterion):
+    """The fitted order and that of the finest refinement step lie in [low, high].
 
     Parameters
     ----------
     quantity, norm : str
     low, high : float
-        Accepted band of orders in what the levels refine.
+        Accepted band of orders in the refined size.
     source : str
     """
 
@@ -52,7 +52,7 @@ class Order(OfErrors):
 
 
 @dataclass(frozen=True)
-class Stall(OfErrors, OnLimits):
+class Stall(ErrorCriterion, OnLimits):
     """The scheme is known not to converge: the last two observed orders are below a bound.
 
     Parameters
@@ -92,7 +92,7 @@ class Stall(OfErrors, OnLimits):
 
 
 @dataclass(frozen=True)
-class Exact(OfErrors):
+class Exact(ErrorCriterion):
     """The scheme has no error on this problem: every level is within round-off.
 
     Parameters
@@ -117,16 +117,16 @@ class Exact(OfErrors):
 
 
 @dataclass(frozen=True)
-class Published(OfErrors):
-    """Absolute errors of the literature are reproduced to a number of significant digits.
+class Published(ErrorCriterion):
+    """The absolute errors agree with published ones to a number of significant digits.
 
     Parameters
     ----------
     quantity, norm : str
     values : tuple of (h, error)
-        Published absolute errors; the levels that were run are compared.
+        Published absolute errors; only levels with the same h are compared.
     digits : int
-        Significant digits that must agree: the deviation is below half a unit of the last one.
+        Significant digits that must agree: the deviation is at most half a unit of the last one.
     source : str
     """
 

@@ -1,4 +1,4 @@
-"""Evidence: what the runs of one series left behind, as the judge takes it."""
+"""Evidence: the results of the runs of one series, on which criteria are judged."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmverify.convergence import Convergence, analyse
-from mpmverify.convergence import axis as refined
+from mpmverify.convergence import axis as axes
 from mpmverify.convergence.sources import Separation, separate
 from mpmverify.criteria.metrics import Metrics
 from mpmverify.criteria.norms import NORMS
@@ -17,7 +17,7 @@ from mpmverify.solution import ADVICE
 
 
 class SeriesId(NamedTuple):
-    """One series of a study: a solver on one ladder of a case."""
+    """Identifies one series of a study: a solver on one refinement of a case."""
 
     case: str
     solver: str
@@ -26,12 +26,12 @@ class SeriesId(NamedTuple):
 
 @dataclass(frozen=True)
 class Level:
-    """What is kept of one run beside its file.
+    """Summary of one run: its discretisation, outcome, errors and metrics.
 
     Parameters
     ----------
     case, solver, refinement : str
-        Series that the run belongs to.
+        Series of the run.
     h : float
         Cell size [m].
     courant : float
@@ -41,21 +41,21 @@ class Level:
     key : str
         Content key of the run.
     jitter : float
-        Largest displacement of a particle as a share of the spacing [1].
+        Largest random displacement of a particle, relative to the particle spacing [1].
     seed : int
         Seed of the displacements.
     dt : float
         Time step [s]; NaN when the run never began.
     steps, point_steps : int
-        Time steps, and particles or elements times steps.
+        Number of time steps, and that number times the number of particles or elements.
     seconds : float
         Wall time without compilation [s].
     outcome : str
-        "completed", or what happened.
+        "completed", or how the run failed.
     errors : mapping of str to (Array, Array)
         Error norms and exact norms (norms,) by quantity, in the order of `norms.NORMS` and the unit of the quantity.
     metrics : mapping of str to float
-        What the criteria measured on the solution.
+        Measurements of the criteria on the solution, by name.
     """
 
     case: str
@@ -77,26 +77,26 @@ class Level:
 
     @property
     def series(self) -> SeriesId:
-        """Series that the run belongs to."""
+        """Series of the run."""
         return SeriesId(self.case, self.solver, self.refinement)
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """What one series of runs, n levels of one solver, left behind.
+    """Results of one series: the runs of one solver on n levels.
 
     Parameters
     ----------
     h, dt, courant, ppc : Array
-        Levels (n,).
+        Cell size [m], time step [s], Courant number [1] and particles per cell and dimension of each level (n,).
     outcomes : tuple of str
-        "completed", or what happened, by level.
+        "completed", or how the run failed, by level.
     error, reference : mapping of str to Array
-        Norms of the error and of the exact field by quantity, (n, norms) in the order of `norms.NORMS`.
+        Norms of the error and of the exact field by quantity, (n, norms) in the order of `norms.NORMS` and the unit of the quantity.
     metrics : mapping of str to Array
-        Whatever the criteria measured on the solutions, (n,) by name.
+        Measurements of the criteria on the solutions, (n,) by name.
     jitter, seed : Array, optional
-        Of the particles, (n,); None where all stand at their places.
+        Largest random displacement of a particle relative to the spacing [1], and its seed (n,); None without displacements.
     """
 
     h: Array
@@ -114,20 +114,20 @@ class Evidence:
     )
 
     @property
-    def axis(self) -> refined.Axis:
-        """What the levels refine."""
-        return refined.axis(self.h, self.dt, self.ppc)
+    def axis(self) -> axes.Axis:
+        """Refinement axis of the levels."""
+        return axes.axis(self.h, self.dt, self.ppc)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Each level by its cell size, and by its Courant number and particles per cell where several share that."""
+        """Name of each level: its cell size, followed by its Courant number and particles per cell if a cell size occurs twice."""
         if len(np.unique(self.h)) == len(self.h):
             return tuple(f"h={h:g}" for h in self.h)
         return tuple(f"h={h:g} nu_C={c:g} ppc={ppc}" for h, c, ppc in zip(self.h, self.courant, self.ppc, strict=True))
 
     @property
     def incomplete(self) -> str:
-        """What became of the runs that did not complete, each outcome and each advice once; "" where every run did."""
+        """How the incomplete runs failed, with each outcome and each piece of advice once; "" if every run completed."""
         levels: dict[tuple[str, str], list[int]] = {}
         for k, outcome in enumerate(self.outcomes):
             advice = next((known for known in ADVICE.values() if known and outcome.endswith(f"; {known}")), "")
@@ -135,11 +135,11 @@ class Evidence:
         sentences: dict[str, list[str]] = {}
         for (advice, outcome), members in levels.items():
             if outcome != "completed":
-                sentences.setdefault(advice, []).append(f"{self._which(members)}: {outcome}")
+                sentences.setdefault(advice, []).append(f"{self._name_levels(members)}: {outcome}")
         return "; ".join(part for advice, told in sentences.items() for part in (*told, advice) if part)
 
-    def _which(self, levels: Sequence[int]) -> str:
-        """Name some levels, in ascending order: neighbours by the first and the last of them."""
+    def _name_levels(self, levels: Sequence[int]) -> str:
+        """Name the given levels (ascending indices); a span of neighbours is named by its first and last level."""
         if len(levels) == len(self.outcomes) > 1:
             return "every level"
         spans: list[list[int]] = []
@@ -153,17 +153,17 @@ class Evidence:
 
     @property
     def sizes(self) -> Mapping[str, Array]:
-        """Every size that an error may vanish with, by its name (n,)."""
-        return refined.sizes(self.h, self.dt, self.ppc)
+        """Every size with which an error may vanish, by name (n,)."""
+        return axes.sizes(self.h, self.dt, self.ppc)
 
     def relative(self, quantity: str, norm: str) -> Array:
-        """Error over the exact norm (n,); absolute where the exact field vanishes, NaN where its norm is not finite."""
+        """Error relative to the exact norm (n,); absolute where the exact norm is zero, NaN where it is not finite."""
         k = NORMS.index(norm)
         size = np.where(np.isfinite(self.reference[quantity][:, k]), self.reference[quantity][:, k], np.nan)
         return self.error[quantity][:, k] / np.where(size == 0, 1.0, size)
 
     def convergence(self, quantity: str, norm: str, expected: tuple[float, float] | None = None) -> Convergence | None:
-        """Analyse one relative error over the size that the levels refine; None for a design, which has no single order."""
+        """Analyse one relative error over the refined size; None for a design, which has no single order."""
         size = self.axis.size
         if not size:
             return None
@@ -171,13 +171,17 @@ class Evidence:
         return replace(series, dropped=tuple(re.sub(r"^h=", f"{size}=", sentence) for sentence in series.dropped))
 
     def separation(self, sizes: tuple[str, ...], quantity: str, norm: str) -> Separation:
-        """Tell the sources of one relative error apart; kept, since the verdict and the file need the same one.
+        """Separate the sources of one relative error.
 
         Parameters
         ----------
         sizes : tuple of str
-            Sizes that the sources vanish with, of those of `sizes`.
+            Sizes with which the sources vanish: keys of the property `sizes`.
         quantity, norm : str
+
+        Notes
+        -----
+        The result is cached, because both the verdict and the results file need it.
         """
         asked = sizes, quantity, norm
         if asked not in self._separations:
@@ -186,13 +190,18 @@ class Evidence:
 
 
 def evidence_of(levels: Sequence[Level]) -> Evidence:
-    """Evidence of one series.
+    """Collect the evidence of one series.
 
     Parameters
     ----------
     levels : sequence of Level
-        Runs of one series. A quantity is absent that a level lacks or whose exact norm is not finite; a metric is absent that no
-        level has, and NaN where one lacks it.
+        Runs of one series.
+
+    Returns
+    -------
+    Evidence
+        With the quantities that every level has with finite exact norms, and the metrics that at least one level has; a metric is NaN
+        on levels that lack it.
     """
     first = levels[0].errors if levels else {}
     quantities = [q for q in first if all(q in level.errors and np.isfinite(level.errors[q][1]).all() for level in levels)]

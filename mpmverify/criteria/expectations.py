@@ -1,4 +1,4 @@
-"""What a solver declares of itself is what must hold of it, limited by the smoothness of the exact solution."""
+"""Criteria derived from the declarations of a solver and from the smoothness of the exact solution."""
 
 import math
 from collections.abc import Mapping, Set
@@ -14,9 +14,9 @@ from mpmverify.problem import UNITS, Inflow, Outflow, Transport
 from mpmverify.solution import Solver
 
 MARGIN = 0.15
-"""How far an observed order may lie from the formal one on smooth data."""
+"""Accepted difference between the observed and the formal order on smooth data."""
 INVARIANTS = ("mass", "momentum")
-"""What a solver may declare to conserve."""
+"""Quantities that a solver may declare to conserve."""
 THEORY = (
     "a scheme of order p on data with s derivatives in L1 has at most the order s p/(p+1) in L1, and at least its order in L2, "
     "(s-1/2) p/(p+1): Brenner, Thomee and Wahlbin (1975), doi:10.1007/BFb0068125"
@@ -24,24 +24,25 @@ THEORY = (
 
 
 def order_band(order: float, derivatives: float) -> tuple[float, float]:
-    """Band of observed orders of a scheme: L2 on smooth data, L1 where `derivatives` is finite.
+    """Accepted band of the observed order of a scheme: in L2 on smooth data, in L1 if `derivatives` is finite.
 
     Parameters
     ----------
     order : float
         Formal order p on smooth data.
     derivatives : float
-        The number s of derivatives that the exact field has in L1.
+        Number s of derivatives that the exact field has in L1; infinite on smooth data.
 
     Returns
     -------
     (float, float)
-        p - 0.15 and p + 0.15 on smooth data. Else the upper edge is no more than s p/(p+1) + 0.15, the order that a front smeared over
-        h^(p/(p+1)) leaves, and the lower edge no more than (s - 1/2) p/(p+1), the order in L2, which bounds the one in L1 from below.
+        p - 0.15 and p + 0.15 on smooth data. On other data the upper edge is at most s p/(p+1) + 0.15, where s p/(p+1) is the order of
+        a front smeared over h^(p/(p+1)). The lower edge is at most (s - 1/2) p/(p+1), the order in L2, which is a lower bound of the
+        order in L1.
 
     Notes
     -----
-    At a jump the bands of all orders overlap: a high order is proved on smooth data alone.
+    For a discontinuous solution the bands of all orders overlap, so a high order can be verified on smooth data only.
 
     References
     ----------
@@ -53,23 +54,23 @@ def order_band(order: float, derivatives: float) -> tuple[float, float]:
 
 
 def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterion, ...]:
-    """Criteria that follow from what a solver declares: its formal orders and what it conserves.
+    """Criteria that follow from the declared orders and invariants of a solver.
 
     Parameters
     ----------
     solver : Solver
     problem : VerificationProblem
-        Its exact solution says how smooth the fields are.
+        Its exact solution determines the smoothness of the fields.
 
     Returns
     -------
     tuple of Criterion
-        An `Order` for every declared quantity that the exact solution has, and a `Balance` for every invariant.
+        An `Order` for every declared quantity that the exact solution has, and a `Balance` for every declared invariant.
 
     Raises
     ------
     UsageError
-        If it declares what is unknown, or no order of a quantity that the exact solution has.
+        If a declared order or invariant is invalid, or no order of a quantity of the exact solution is declared.
     """
     if not isinstance(solver.orders, Mapping):
         raise UsageError(
@@ -80,19 +81,21 @@ def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterio
     for quantity, order in solver.orders.items():
         if quantity not in UNITS:
             raise UsageError(
-                f"solver {solver.name!r} declares the order of an unknown {quantity!r}: known are {', '.join(UNITS)}"
+                f"solver {solver.name!r} declares the order of the unknown quantity {quantity!r}: choose from {', '.join(UNITS)}"
             )
         if not isinstance(order, Real) or isinstance(order, bool | np.bool_) or not (math.isfinite(order) and order > 0):
             raise UsageError(
-                f"solver {solver.name!r} declares the order {order!r} of {quantity}: an order is positive and finite"
+                f"solver {solver.name!r} declares the order {order!r} of {quantity}: an order must be positive and finite"
             )
     if unknown := sorted(set(solver.conserves) - set(INVARIANTS), key=str):
-        raise UsageError(f"solver {solver.name!r} conserves an unknown {unknown[0]!r}: known are {', '.join(INVARIANTS)}")
+        raise UsageError(
+            f"solver {solver.name!r} declares that it conserves the unknown {unknown[0]!r}: choose from {', '.join(INVARIANTS)}"
+        )
     declared = {quantity: order for quantity, order in solver.orders.items() if quantity in problem.exact.fields}
     if not declared:
         raise UsageError(
-            f"solver {solver.name!r} declares no order of {' or '.join(problem.exact.fields)}, so that nothing can be expected of "
-            f"it on {problem.problem.name!r}: declare its orders, or give criteria"
+            f"solver {solver.name!r} declares no order of {' or '.join(problem.exact.fields)}, the fields of the problem "
+            f"{problem.problem.name!r}: declare an order, or give criteria"
         )
     return (
         *(_order(quantity, order, problem) for quantity, order in declared.items()),
@@ -114,13 +117,13 @@ def _order(quantity: str, order: float, problem: VerificationProblem) -> Order:
 
 
 def _derivatives(quantity: str, problem: VerificationProblem) -> float:
-    """Regularity of one field: the displacement is an integral, and has one derivative more than velocity and stress."""
+    """Number of derivatives in L1 of one field; the displacement is an integral and has one more than velocity and stress."""
     integrated = quantity == "displacement" and problem.exact.fields.keys() & {"velocity", "stress"}
     return problem.exact.derivatives + (1 if integrated else 0)
 
 
 def _sources(problem: VerificationProblem) -> dict[str, str]:
-    """Invariants of a problem, each with the history that accounts for its change; "" where nothing may change it."""
+    """Invariants of a problem, each with the history that accounts for its change; "" if it must stay constant."""
     stated = problem.problem
     if isinstance(stated.material, Transport):
         open_ended = any(isinstance(condition, Inflow | Outflow) for condition in stated.boundary.values())

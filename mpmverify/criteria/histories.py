@@ -1,4 +1,4 @@
-"""Criteria on histories: what is conserved, and how fast a drift of energy vanishes."""
+"""Criteria on histories: conservation of mass, momentum and energy, and the order of the energy drift."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
 from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.criteria.criterion import Setting
 from mpmverify.criteria.evidence import Evidence
-from mpmverify.criteria.judging import are_sizes, judge_largest, relative_defect
+from mpmverify.criteria.judging import finite_and_non_negative, judge_largest, relative_defect
 from mpmverify.problem import Array, LinearElastic, components
 from mpmverify.problem.material import KelvinVoigt, Maxwell
 from mpmverify.solution import Solution
@@ -17,21 +17,21 @@ from mpmverify.solution import Solution
 
 @dataclass(frozen=True)
 class Balance:
-    """A history equals its source term to round-off: mass is constant, momentum changes by the impulse.
+    """A conserved quantity changes by its source term alone, to round-off: mass is constant, momentum changes by the impulse.
 
-    The mass of a body is that of its reference density; other stocks are what they are at first. A vector balances in every
-    component.
+    The mass of a body is compared with the integral of its reference density; every other quantity with its initial value. A vector
+    must balance in every component.
 
     Parameters
     ----------
     stock : str
-        History, such as "momentum", whatever the number of its components.
+        History of the conserved quantity, such as "momentum", without a component suffix.
     source_term : str
-        History that accounts for its change, such as "impulse"; "" when nothing may change it.
+        History that accounts for its change, such as "impulse"; "" if it must stay constant.
     source : str
     bound : float
-        Largest defect relative to the largest magnitude of the two; for momentum also to sqrt(2 m E_kin), the size of the
-        particles' momenta that may cancel in their sum.
+        Largest defect relative to the largest magnitude in the two histories. For momentum, sqrt(2 m E_kin) also counts: the scale of
+        the particle momenta, which may cancel in the sum.
     """
 
     stock: str
@@ -64,7 +64,7 @@ class Balance:
         defect = stock - start - (change - change[0])
         scales = [np.max(np.abs(stock)), np.max(np.abs(change))]
         if self.stock == "momentum" and {"mass", "kinetic_energy"} <= solution.histories.keys():
-            # The terms that cancel set the scale of round-off: a momentum of zero is a difference of large ones.
+            # Round-off scales with the particle momenta, even if these cancel in the sum.
             mass, kinetic = (np.abs(solution.histories[name]) for name in ("mass", "kinetic_energy"))
             scales.append(np.sqrt(2 * np.max(mass * kinetic)))
         return relative_defect(self._metric, defect, np.max(scales))
@@ -74,16 +74,22 @@ class Balance:
 
 
 DRIFT_ROUND_OFF = 1e-11
-"""Relative energy drift at and below which nothing drifts."""
-
+"""Relative energy drift at and below which the drift is round-off."""
 
 DRIFT, RISE = "energy_drift", "energy_rise"
+"""Names of the metrics."""
 
 
-def surplus(solution: Solution, setting: Setting) -> tuple[Array, float] | None:
-    """Kinetic and strain energy less external work (N + 1,), and the largest energy [J/m^2]; None where a history is absent.
+def energy_balance(solution: Solution, setting: Setting) -> tuple[Array, float] | None:
+    """Energy balance of a run: kinetic plus strain energy less external work.
 
-    With the heat of a viscous law, of which an elastic body makes none, whatever its solver says.
+    For a viscous material the dissipated energy is added. For an elastic one it is not, even if the solver returns such a history.
+
+    Returns
+    -------
+    (Array, float) or None
+        The balance (N + 1,) after each of N steps and its scale, the largest kinetic plus strain energy, in the unit of the histories;
+        None if a history is missing.
     """
     history = solution.histories
     if not {"kinetic_energy", "strain_energy", "external_work"} <= history.keys():
@@ -96,8 +102,8 @@ def surplus(solution: Solution, setting: Setting) -> tuple[Array, float] | None:
 
 
 def energy_drift(solution: Solution, setting: Setting) -> Mapping[str, float]:
-    """Largest drift of kinetic, strain and dissipated energy less external work, relative to the largest energy."""
-    if (found := surplus(solution, setting)) is None:
+    """Largest drift of the energy balance, relative to the largest energy."""
+    if (found := energy_balance(solution, setting)) is None:
         return {}
     total, scale = found
     return relative_defect(DRIFT, total - total[0], scale)
@@ -105,12 +111,12 @@ def energy_drift(solution: Solution, setting: Setting) -> Mapping[str, float]:
 
 @dataclass(frozen=True)
 class EnergyDrift:
-    """Kinetic, strain and dissipated energy less external work stays: its largest relative drift converges at an order in dt.
+    """The relative drift of kinetic, strain and dissipated energy less external work converges to zero with dt.
 
     Parameters
     ----------
     low : float
-        Least order of the drift in dt; the drift may also be at round-off.
+        Lowest accepted order of the drift in dt; the drift may also be at round-off.
     source : str
     """
 
@@ -126,7 +132,7 @@ class EnergyDrift:
 
     def judge(self, evidence: Evidence) -> Judgement:
         drift = evidence.metrics[DRIFT]
-        if not are_sizes(drift):
+        if not finite_and_non_negative(drift):
             return Verdict.ERROR, "the energy drift is not finite, or negative, on at least one level"
         if np.all(drift <= DRIFT_ROUND_OFF):
             return Verdict.PASS, f"largest relative drift {drift.max():.1e}: round-off"
@@ -138,7 +144,7 @@ class EnergyDrift:
 
 @dataclass(frozen=True)
 class EnergyConserved:
-    """Kinetic, strain and dissipated energy less external work stays, to round-off.
+    """Kinetic, strain and dissipated energy less external work is constant to round-off.
 
     Parameters
     ----------
@@ -163,13 +169,13 @@ class EnergyConserved:
 
 @dataclass(frozen=True)
 class EnergyDecays:
-    """Kinetic plus strain energy less external work never rises, to round-off: a dissipative scheme gives nothing back.
+    """Kinetic, strain and dissipated energy less external work never increases by more than round-off, as in a dissipative scheme.
 
     Parameters
     ----------
     source : str
     bound : float
-        Largest rise over the least value before, relative to the largest energy.
+        Largest increase over the smallest earlier value, relative to the largest energy.
     """
 
     source: str
@@ -180,7 +186,7 @@ class EnergyDecays:
         return f"energy never rises by more than {self.bound:g}"
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        if (found := surplus(solution, setting)) is None:
+        if (found := energy_balance(solution, setting)) is None:
             return {}
         total, scale = found
         return relative_defect(RISE, total - np.minimum.accumulate(total), scale)

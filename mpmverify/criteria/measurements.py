@@ -1,6 +1,6 @@
-"""Measurements on sampled waves: modes and their frequency, delay and gain of a pulse, position of a front; NaN poisons all.
+"""Measurements on sampled waves: coefficients and frequency of a mode, amplitude, delay and gain of a pulse.
 
-Sample points may be spaced unevenly; their weights count wherever something is summed over them.
+Sample points may be unevenly spaced; sums over them are weighted. Samples that are not finite give NaN.
 """
 
 import math
@@ -12,13 +12,13 @@ from mpmverify.exact.waves import oscillating_root
 from mpmverify.problem import Array
 
 ITERATIONS = 50
-"""Most Gauss-Newton steps of `delay_and_gain`; a pulse takes about five."""
+"""Largest number of Gauss-Newton steps in `delay_and_gain`; a pulse takes about five."""
 SCAN = 32
-"""Delays that are tried on either side before."""
+"""Number of delays on either side that `delay_and_gain` scans for its starting point."""
 
 
 def modal_history(values: Array, position: Array, weight: Array, wavenumber: float) -> Array:
-    """Fourier coefficients of one wave number at every time.
+    """Fourier coefficients of one wave number over time.
 
     Parameters
     ----------
@@ -43,22 +43,22 @@ def modal_history(values: Array, position: Array, weight: Array, wavenumber: flo
 
 
 def step_factor(history: Array) -> complex:
-    """Factor z by which a step multiplies a damped oscillation, s^n = Re(C z^n): |z| is its growth, arg z its angle a step.
+    """Factor z of one time step of a damped oscillation s^n = Re(C z^n): |z| is its growth and arg z its phase angle per step.
 
     Parameters
     ----------
     history : Array
-        The oscillation at equal steps (T, m), in one or several coefficients; T >= 5.
+        Samples of the oscillation at equal time steps, in m coefficients (T, m); T >= 5.
 
     Returns
     -------
     complex
-        NaN when the history is not finite, too short, or no oscillation: zero, constant or growing by one real factor.
+        NaN if the history is not finite, is too short, or does not oscillate (zero, constant, or multiplied by a real factor).
 
     Notes
     -----
     Prony's method: s^{n+1} = 2 Re(z) s^n - |z|^2 s^{n-1}, by least squares over all n and coefficients. Noise of relative size
-    e perturbs the angle by about e/angle^2.
+    e changes the angle by about e/angle^2.
     """
     if len(history) < 5 or not np.all(np.isfinite(history)):
         return complex(math.nan, math.nan)
@@ -78,7 +78,7 @@ def amplitude(values: Array, weight: Array) -> float:
 def delay_and_gain(
     values: Array, weight: Array, field: Callable[[float], Array], reach: float, step: float
 ) -> tuple[float, float]:
-    """Delay and gain at which a known pulse fits samples best: min over d and g of sum_p w_p (f_p - g field(d)_p)^2.
+    """Delay d and gain g of the best fit of a known pulse to samples: they minimise sum_p w_p (f_p - g field(d)_p)^2.
 
     Parameters
     ----------
@@ -87,22 +87,21 @@ def delay_and_gain(
     weight : Array
         Quadrature weights (P,).
     field : callable
-        The pulse at the sample points (P,) as a function of its delay [s]; of its shift [m] as well.
+        The pulse at the sample points (P,) as a function of its delay [s], or of a shift [m]; the result has the same unit.
     reach : float
-        Largest delay that is looked for, either way; a pulse must be wider than reach/`SCAN`.
+        Largest magnitude of the delay that is searched; a pulse must be wider than reach/`SCAN`.
     step : float
-        Difference quotients in the delay are taken over it: far below the duration of the pulse.
+        Step of the difference quotients in the delay; choose it much smaller than the duration of the pulse.
 
     Returns
     -------
     (float, float)
-        Delay, positive when the samples lag behind, and gain; both NaN when something is not finite, or nothing of the pulse is
-        found within reach.
+        Delay, positive if the samples lag behind, and gain; both NaN if a value is not finite, or the pulse is not found within reach.
 
     Notes
     -----
-    The best fit is the maximum of the normalised cross-correlation. That is looked for on a scan, then made exact by
-    Gauss-Newton's method: with the pulse known in closed form no sample is interpolated.
+    The best fit maximises the normalised cross-correlation. A scan over delays gives the starting point for the Gauss-Newton
+    method. The pulse is known in closed form, so no sample is interpolated.
     """
     nothing = math.nan, math.nan
     scan = reach * np.arange(-SCAN, SCAN + 1) / SCAN

@@ -1,4 +1,4 @@
-"""What was measured on the runs of a series, by name."""
+"""Metrics: numbers that criteria measured on the runs of a series, by name."""
 
 from collections.abc import Mapping
 
@@ -10,18 +10,18 @@ HISTORIES: Mapping[str, str] = {
     "energy_drift": "the histories 'kinetic_energy', 'strain_energy' and 'external_work'",
     "energy_rise": "the histories 'kinetic_energy', 'strain_energy' and 'external_work'",
 }
-"""What a solver must return for a metric that does not name its field itself."""
+"""Histories that a solver must return for a metric whose name does not contain a field."""
 
 
 class Metrics(dict[str, Array]):
-    """Metrics (n,) by name; one that was not measured is a `KeyError` that says what it is made of."""
+    """Metrics (n,) by name; a missing one raises a `NotMeasuredError` that names the histories it needs."""
 
     def __missing__(self, name: str) -> Array:
         raise NotMeasuredError(name)
 
 
 class NotMeasuredError(KeyError):
-    """The name of a metric that no run of a series has."""
+    """Raised for a metric that no run of a series has; its argument is the name of the metric."""
 
     def __str__(self) -> str:
         (name,) = self.args

@@ -17,14 +17,14 @@ from mpmverify.solution import Solution
 
 @dataclass(frozen=True)
 class Amplification:
-    """Every Fourier mode of a periodic advection run follows the scheme's amplification factor, G(theta)^n after n steps.
+    """After n steps of periodic advection, every Fourier mode is multiplied by the scheme's amplification factor G(theta)^n.
 
     Parameters
     ----------
     passes : int
-        Mass passes of two-step Taylor-Galerkin.
+        Number of mass-matrix passes of two-step Taylor-Galerkin.
     bound : float
-        Largest deviation of a mode's coefficient, relative to its initial one.
+        Largest deviation of the coefficient of a mode, relative to its initial value.
     source : str
     """
 
@@ -50,7 +50,7 @@ class Amplification:
         theta = 2 * np.pi * np.arange(modes.shape[1]) / solution.reference.shape[0]
         h = problem.lengths[0] / solution.reference.shape[0]
         factor = two_step_taylor_galerkin(theta, problem.material.velocity * solution.dt / h, self.passes)
-        # A mode that the initial profile lacks, the shortest one sampled at its nodes above all, cannot be followed.
+        # Modes that are (nearly) absent from the initial profile are skipped, such as the shortest mode sampled at its zeros.
         carried = np.abs(modes[0]) > 1e-3 * np.abs(modes[0]).max()
         initial = modes[0, carried]
         defect = np.abs(modes[:, carried] - initial * factor[carried] ** steps[:, None]) / np.abs(initial)

@@ -1,4 +1,4 @@
-"""Weighted norms of fields sampled at quadrature points; NaN poisons every one of them."""
+"""Weighted norms of fields that are sampled at quadrature points; every norm of a field with NaN is NaN."""
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from mpmverify.problem.quantities import multiplicity
 from mpmverify.solution import Solution
 
 NORMS = ("L1", "L2", "Linf", "L2-max")
-"""L1, L2 and Linf at the final time; L2-max is the largest L2 over the output times. The measure is that of the body at the start:
-L1 and L2 are means over it, and every norm has the unit of its field."""
+"""L1, L2 and Linf are taken at the final time; L2-max is the largest L2 norm over the output times. L1 and L2 are means over the
+initial volume of the body, so that every norm has the unit of its field."""
 
 
 def l1(values: Array, weight: Array) -> Array:
@@ -29,14 +29,19 @@ def linf(values: Array) -> Array:
 
 
 def norms(values: Array, weight: Array) -> Array:
-    """Return all `NORMS` of one field, (4,), in its unit; all NaN when weights are negative, or those of one time have no finite sum.
+    """Return all `NORMS` of one field (4,), in the unit of the field.
 
     Parameters
     ----------
     values : Array
         (T, P, components).
     weight : Array
-        Quadrature weights (T, P) [m^dim]; those of the first time sum to the measure |Omega| of the body.
+        Quadrature weights (T, P) [m^dim]; at the first time they sum to the measure |Omega| of the body.
+
+    Returns
+    -------
+    Array
+        All NaN if a weight is negative, or the sum of the weights at one time is not positive and finite.
 
     Notes
     -----
@@ -51,20 +56,27 @@ def norms(values: Array, weight: Array) -> Array:
 
 
 def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, Array]]:
-    """Norms of the error and of the exact field, by quantity that both sides have.
+    """Norms of the error and of the exact field, for each quantity that both the solution and the exact solution have.
 
-    The size of a vector or tensor at a point is its Euclidean one, over all entries of the tensor: a component off the diagonal of
-    a stress counts twice.
+    Parameters
+    ----------
+    solution : Solution
+    exact : ExactSolution
 
     Returns
     -------
     dict of str to (Array, Array)
-        (error norms (4,), exact norms (4,)) in the order of `NORMS`.
+        (error norms (4,), exact norms (4,)) in the order of `NORMS` and the unit of the quantity.
 
     Raises
     ------
     UsageError
-        If a field or the weights do not have the shape that `Solution` asks for: numpy would stretch them to fit.
+        If a field or the weights do not have the shape that `Solution` requires; numpy would broadcast them silently.
+
+    Notes
+    -----
+    The magnitude of a vector or tensor at a point is its Euclidean (Frobenius) norm over all entries: an off-diagonal component of the
+    stress counts twice.
     """
     samples = (len(solution.time), len(solution.reference))
     if solution.weight.shape != samples or not all(samples):

@@ -1,4 +1,4 @@
-"""Criterion on how runs end: beyond its stability limit a scheme must say that it is unstable."""
+"""Criterion on the outcomes of runs: above its stability limit, a solver must report instability."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from mpmverify.solution import Solution, Status
 
 @dataclass(frozen=True)
 class Unstable(OnOutcomes, OnLimits):
-    """Every run of a series beyond the stability limit ends as unstable: neither completed, nor crashed, nor non-finite.
+    """Every run above the stability limit ends with the status unstable; completed, crashed and non-finite runs do not pass.
 
-    The initial data must hold a mode that grows, so that it does not take round-off to start it.
+    The initial data must contain an unstable mode, so that its growth does not depend on round-off.
 
     Parameters
     ----------
     limit : float
-        Courant number up to which the scheme is stable; all levels lie above.
+        Courant number up to which the scheme is stable; all levels must lie above it.
     source : str
     """
 

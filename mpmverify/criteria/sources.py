@@ -1,4 +1,4 @@
-"""Criterion on the sources of an error, told apart over a design of runs."""
+"""Criterion on the sources of an error, separated over a design of runs."""
 
 from dataclasses import dataclass
 
@@ -7,16 +7,16 @@ import numpy as np
 from mpmverify.convergence.axis import UNITS
 from mpmverify.convergence.sources import Separation, judge_sources
 from mpmverify.convergence.verdict import Judgement, Verdict
-from mpmverify.criteria.errors import OfErrors
+from mpmverify.criteria.errors import ErrorCriterion
 from mpmverify.criteria.evidence import Evidence
 from mpmverify.errors import UsageError
 
 NORMS = ("L2", "L2-max")
-"""Norms in which error fields add as vectors do."""
+"""Norms in which error fields add like vectors."""
 
 
 @dataclass(frozen=True)
-class Separated(OfErrors):
+class Separated(ErrorCriterion):
     """The exponent of every source of an error lies in its band.
 
     Parameters
@@ -24,14 +24,14 @@ class Separated(OfErrors):
     quantity, norm : str
         The norm is one of `NORMS`.
     bands : tuple of (size, low, high)
-        Accepted band of each exponent, by the size that the source vanishes with: "h", "dt", "1/ppc" or "h/ppc". What the runs
-        vary beside these is a source too, and not judged.
+        Accepted band of each exponent, by the size with which the source vanishes: "h", "dt", "1/ppc" or "h/ppc". Other sizes that the
+        runs vary are fitted as sources, but not judged.
     source : str
 
     Raises
     ------
     UsageError
-        If the norm or a size is not one of these, or no band is given.
+        If the norm is not in `NORMS`, a size is unknown, or no band is given.
     """
 
     quantity: str
@@ -41,7 +41,7 @@ class Separated(OfErrors):
 
     def __post_init__(self) -> None:
         if self.norm not in NORMS:
-            raise UsageError(f"sources of error are told apart in {' or '.join(NORMS)}, not in {self.norm!r}")
+            raise UsageError(f"sources of error cannot be separated in the norm {self.norm!r}: choose {' or '.join(NORMS)}")
         if not self.bands or any(size not in UNITS for size, _, _ in self.bands):
             raise UsageError(f"the sources of an error need bands by size: choose from {', '.join(UNITS)}")
 
@@ -51,7 +51,7 @@ class Separated(OfErrors):
         return f"exponents of the sources of {self.quantity} in {self.norm}: {bands}"
 
     def separation(self, evidence: Evidence) -> Separation:
-        """Tell the sources apart: those that are judged, and what the runs vary beside them."""
+        """Separate the judged sources and those of all other sizes that the runs vary."""
         varied = list(evidence.axis.varied)
         declared = [size for size, _, _ in self.bands]
         if "h/ppc" in declared and "1/ppc" in varied:

@@ -1,4 +1,4 @@
-"""Criterion on the largest stable time step of a solver that has searched for it."""
+"""Criterion on the largest stable time step that a search by bisection has found."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,14 +17,14 @@ from mpmverify.solution import Solution
 
 @dataclass(frozen=True)
 class StabilityLimit(OnLimits):
-    """The Courant number of the last stable run of a `Bisection` is the limit of von Neumann's analysis, on every level.
+    """On every level, the largest stable Courant number found by a `Bisection` agrees with the limit of von Neumann's analysis.
 
     Parameters
     ----------
     scheme : str
         Name in `mpmverify.exact.stability.LIMITS`.
     bound : float
-        Largest deviation relative to the limit.
+        Largest deviation from the limit, relative to it.
     source : str
 
     Raises
@@ -38,11 +38,11 @@ class StabilityLimit(OnLimits):
     source: str
 
     metrics: ClassVar[tuple[str, str]] = ("stability_limit", "theoretical_stability_limit")
-    """Courant numbers [1]: measured, and of the theory."""
+    """Courant numbers [1]: measured and theoretical."""
 
     def __post_init__(self) -> None:
         if self.scheme not in LIMITS:
-            raise UsageError(f"the limit of stability of {self.scheme!r} is unknown: choose from {', '.join(LIMITS)}")
+            raise UsageError(f"the stability limit of {self.scheme!r} is unknown: choose from {', '.join(LIMITS)}")
 
     @property
     def title(self) -> str:

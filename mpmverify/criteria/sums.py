@@ -1,4 +1,4 @@
-"""Criterion on a solution's agreement with itself: its histories are sums over its own fields."""
+"""Criterion on the consistency of a solution: its histories must equal sums over its own fields."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,53 +19,53 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "kinetic_energy": ("velocity",),
     "strain_energy": ("stress",),
 }
-"""Fields of a body that each stock is a sum over."""
+"""Fields over which each history of a body is summed."""
 OBSTACLES: Mapping[str, str] = {
     "history": "the solver does not return this history",
     "velocity": "the solver does not return the velocity",
     "stress": "the solver does not return the stress",
     "u": "the solver does not return u",
-    "law": "the fields of this material do not tell it: take it out of the stocks",
+    "law": "it cannot be computed from the fields of this material: remove it from the stocks",
     "instants": "an output time is not among the times of the histories",
     "motion": "history and fields are zero throughout",
 }
-"""Why a stock cannot be compared with the fields, by the end of the name of the metric that says so."""
+"""Why a history cannot be compared with the fields, by the last part of the name of the metric that records it."""
 
 
 @dataclass(frozen=True)
 class FieldSums:
-    """The histories are sums over the solution's own fields at the output times, to round-off.
+    """At the output times, the histories equal sums over the fields of the same solution, to round-off.
 
-    What balances may be made up all the same, as a momentum and an impulse of zero are: this criterion sees it.
+    This detects invented histories, which `Balance` cannot: a momentum and an impulse that are both zero balance.
 
     Parameters
     ----------
     stocks : tuple of str
-        The histories that are summed as the fields are sampled, of "mass", "momentum", "kinetic_energy", "strain_energy".
+        Histories to compare: of "mass", "momentum", "kinetic_energy" and "strain_energy".
     source : str
     bound : float
-        Largest defect relative to the largest sum of magnitudes, of the fields or of the history.
+        Largest defect, relative to the larger of the sum of the magnitudes over the fields and the magnitude of the history.
 
     Raises
     ------
     UsageError
-        If no stock is named, or an unknown one.
+        If no history is given, or an unknown one.
 
     Notes
     -----
-    A sample point keeps its mass m_p = rho0 w_p(0), since the first weights are reference volumes; its stress acts on w_p(t). So
-    mass is sum m_p, momentum sum m_p v_p, kinetic energy sum m_p v_p^2/2, and strain energy of the linear elastic law
-    sum w_p sigma_p^2/(2 (lambda + 2 mu)); that of a neo-Hookean body takes its deformation gradient, which is no field. The
-    mass of a transported scalar is sum w_p u_p.
+    The first weights are reference volumes, so a sample point has the constant mass m_p = rho0 w_p(0). Its current volume is w_p(t).
+    Mass is sum m_p, momentum sum m_p v_p, kinetic energy sum m_p v_p^2/2, and strain energy of the linear elastic law
+    sum w_p sigma_p^2/(2 (lambda + 2 mu)). The strain energy of other laws needs the deformation gradient, which is not among the
+    fields. The mass of a transported scalar is sum w_p u_p.
 
-    Which of these a scheme obeys is a matter of its quadrature; what it does not obey is not to be declared, for a tolerance as
-    large as the difference of two quadratures would hide faults as large:
+    Which sums hold depends on the quadrature of the scheme. Declare only those that hold exactly, because a tolerance as large as the
+    difference of two quadratures would hide faults of that size:
 
-    - particles carry mass, velocity, stress and volume themselves: all four;
-    - finite elements that are sampled where they integrate: mass, momentum, which lumping by row sums does not change, and
-      strain energy; kinetic energy with a consistent mass alone, since v^T M v/2 of a lumped one is another quadrature;
-    - two-step Taylor-Galerkin sums over nodes by the trapezoidal rule and is sampled in the middle of its elements: both are exact
-      of a linear function, thus mass and momentum, and differ by O(h^2) of its square, the energies.
+    - Particles carry mass, velocity, stress and volume: all four hold.
+    - Finite elements sampled at their quadrature points: mass, momentum (row-sum lumping does not change it) and strain energy hold.
+      Kinetic energy holds with a consistent mass matrix only; with a lumped one, v^T M v/2 is another quadrature.
+    - Two-step Taylor-Galerkin sums over nodes by the trapezoidal rule and is sampled at element midpoints. Both rules are exact for
+      linear functions, so mass and momentum hold. For the squares in the energies they differ by O(h^2).
     """
 
     stocks: tuple[str, ...]
@@ -74,7 +74,7 @@ class FieldSums:
 
     def __post_init__(self) -> None:
         if not self.stocks or not set(self.stocks) <= NEEDS.keys():
-            raise UsageError(f"sums of fields are taken of {', '.join(NEEDS)}, not of {self.stocks!r}")
+            raise UsageError(f"{self.stocks!r} cannot be compared with sums of fields: choose from {', '.join(NEEDS)}")
 
     @property
     def title(self) -> str:
@@ -105,7 +105,7 @@ def _lacks(stock: str, what: str) -> str:
 
 
 def _compared(stock: str, solution: Solution, problem: Problem) -> Mapping[str, float]:
-    """Defect of one stock, or the obstacle to measuring it."""
+    """Relative defect of one history, or a metric that records why it cannot be compared."""
     if obstacle := _obstacle(stock, solution, problem):
         return {_lacks(stock, obstacle): 1.0}
     terms, history = _terms(stock, solution, problem), solution.histories[stock][_rows(solution)]
@@ -127,13 +127,13 @@ def _obstacle(stock: str, solution: Solution, problem: Problem) -> str:
 
 
 def _rows(solution: Solution) -> np.ndarray:
-    """Place of the nearest time of the histories to each output time (T,)."""
+    """Index of the history time nearest to each output time (T,)."""
     instants = solution.histories["time"]
     return np.searchsorted((instants[1:] + instants[:-1]) / 2, solution.time)
 
 
 def _terms(stock: str, solution: Solution, problem: Problem) -> Array:
-    """What the sample points add to a stock at the output times (T, P)."""
+    """Contribution of each sample point to a history at the output times (T, P)."""
     weight, fields, material = solution.weight, solution.fields, problem.material
     if not isinstance(material, LinearElastic):
         return np.asarray(weight * fields["u"][:, :, 0])

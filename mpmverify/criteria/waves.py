@@ -1,4 +1,4 @@
-"""Criteria on waves: dispersion of a mode, phase error and decay of a pulse, position of a front."""
+"""Criteria on waves: dispersion of a mode, phase error and amplitude decay of a pulse, position of a front."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -22,20 +22,21 @@ from mpmverify.solution import Solution
 ClosedForm = Callable[[Array, float], Array]
 """Exact values (n,) at positions (n,) [m] and a time [s]."""
 REACH, DIFFERENCE = 0.25, 1e-4
-"""Largest phase error that is looked for, and the step of its difference quotients, in final times."""
+"""Largest phase error that is searched, and the step of the difference quotients; both are fractions of the final time."""
 
 
-def known(relation: str) -> None:
-    """Raise a `UsageError` when there is no dispersion relation of this name."""
+def check_relation(relation: str) -> None:
+    """Raise a `UsageError` if there is no dispersion relation of this name."""
     if relation not in RELATIONS:
         raise UsageError(f"the dispersion relation {relation!r} is unknown: choose from {', '.join(RELATIONS)}")
 
 
 @dataclass(frozen=True)
 class Dispersion:
-    """A mode turns, and decays, by the scheme's own dispersion relation: omega(k h), not only its order, is right.
+    """A mode oscillates and decays according to the dispersion relation of the scheme.
 
-    Every step must be returned, and the mode must be alone at its wave number.
+    This verifies the value of omega(k h), not only its order. The solution must contain every time step, and no other mode with the
+    same wave number.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ class Dispersion:
     wavenumber : float
         k [rad/m].
     bound : float
-        Largest deviation of the complex frequency -i log(z)/dt of a step, relative to the theoretical one.
+        Largest deviation of the complex frequency -i log(z)/dt, relative to the theoretical one; z is the factor of one time step.
     source : str
 
     Raises
@@ -61,7 +62,7 @@ class Dispersion:
     source: str
 
     def __post_init__(self) -> None:
-        known(self.relation)
+        check_relation(self.relation)
 
     @property
     def title(self) -> str:
@@ -69,7 +70,7 @@ class Dispersion:
 
     @property
     def metrics(self) -> tuple[str, str, str, str]:
-        """Deviation, phase angle k h [rad], and frequency over c k: measured and theoretical."""
+        """Names of the deviation, the phase angle k h [rad], and the measured and the theoretical frequency over c k."""
         of = self.quantity
         return f"dispersion_defect_{of}", f"phase_angle_{of}", f"relative_frequency_{of}", f"theoretical_frequency_{of}"
 
@@ -96,7 +97,7 @@ class Dispersion:
 
 
 def closed_form(quantity: str, solution: Solution, setting: Setting) -> ClosedForm | None:
-    """Exact field of a quantity that both sides have on a bar; None when there is none."""
+    """Exact field of a quantity on a bar; None unless the problem is 1D and both the exact solution and the solution have it."""
     field = setting.problem.exact.fields.get(quantity)
     if field is None or quantity not in solution.fields or setting.problem.problem.dimension != 1:
         return None
@@ -105,23 +106,24 @@ def closed_form(quantity: str, solution: Solution, setting: Setting) -> ClosedFo
 
 @dataclass(frozen=True)
 class LeadingTerm:
-    """A signed error of the wave at the final time converges to the leading term of the scheme's dispersion relation.
+    """A signed error of the wave at the final time converges to the leading error term of the dispersion relation.
 
-    In size and sign, which no order tells.
+    This verifies the size and the sign of the error, not only its order.
 
     Parameters
     ----------
     quantity : str
     order : float
+        Expected order of the error.
     slack : float
-        Of the order, either way.
+        Half-width of the accepted band of orders.
     source : str
     relation : str
         Name in `mpmverify.exact.dispersion.RELATIONS`.
     factor : float
-        The term is factor * coefficient * h^order, with the coefficient of the relation [1/m^order].
+        Factor of the leading term, factor * coefficient * h^order [1/m^order]; the relation gives the coefficient [1].
     tolerance : float
-        Of the error relative to the term at the finest level.
+        Accepted deviation of the error from the leading term at the finest level, relative to the term.
 
     Raises
     ------
@@ -139,7 +141,7 @@ class LeadingTerm:
     what: ClassVar[str]
 
     def __post_init__(self) -> None:
-        known(self.relation)
+        check_relation(self.relation)
 
     @property
     def title(self) -> str:
@@ -154,12 +156,12 @@ class LeadingTerm:
         return {} if exact is None else {self.metric: self.error(solution, exact)}
 
     def error(self, solution: Solution, exact: ClosedForm) -> float:
-        """Signed error of a solution; NaN where it has none, because something is not finite or there is no wave."""
+        """Return the signed error of a solution; NaN if a value is not finite or there is no wave."""
         raise NotImplementedError
 
     @staticmethod
     def coefficient(lag: float, loss: float) -> float:
-        """Of the two leading errors of a relation, the one that counts."""
+        """Select one of the two leading error coefficients of a relation: that of the phase lag or that of the amplitude loss."""
         raise NotImplementedError
 
     def judge(self, evidence: Evidence) -> Judgement:
@@ -181,7 +183,7 @@ class LeadingTerm:
 
 @dataclass(frozen=True)
 class PhaseError(LeadingTerm):
-    """The wave at the final time is late, in parts of that time; early is negative."""
+    """Delay of the wave at the final time, as a fraction of that time; negative if the wave is early."""
 
     what = "phase error"
 
@@ -198,9 +200,10 @@ class PhaseError(LeadingTerm):
 
 @dataclass(frozen=True)
 class AmplitudeDecay(LeadingTerm):
-    """The wave loses a part of its root mean square from the first to the last output; growth is negative.
+    """Relative loss of the root mean square of the wave from the first to the last output; negative if it grows.
 
-    Both are taken relative to the exact solution at the same points, and the first as what the samples show of the wave.
+    Both root mean squares are taken relative to that of the exact solution at the same points. The first output accounts for any
+    smoothing by the sampling.
     """
 
     what = "amplitude decay"
@@ -222,7 +225,7 @@ class AmplitudeDecay(LeadingTerm):
 
 @dataclass(frozen=True)
 class FrontPosition:
-    """The only front of the final time lags behind the exact one by what the scheme's dispersion relation says.
+    """At the final time, the lag of the single front behind the exact one agrees with the dispersion relation of the scheme.
 
     Parameters
     ----------
@@ -245,7 +248,7 @@ class FrontPosition:
     source: str
 
     def __post_init__(self) -> None:
-        known(self.relation)
+        check_relation(self.relation)
 
     @property
     def title(self) -> str:
@@ -253,7 +256,7 @@ class FrontPosition:
 
     @property
     def metrics(self) -> tuple[str, str]:
-        """Lag [cells]: measured, negative when ahead, and theoretical."""
+        """Names of the measured and the theoretical lag [cells]; a lag is negative if the front is ahead."""
         return f"front_lag_{self.quantity}", f"theoretical_front_lag_{self.quantity}"
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:

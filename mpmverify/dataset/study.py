@@ -84,7 +84,7 @@ def study_tree(
 ) -> xr.DataTree:
     """Return the tree of a judged study; for the parameters see `write_study`."""
     root = _root(study, tier, inputs, sorted({level.seed for level in levels if level.jitter}))
-    groups = {"/": root.assign_attrs(lacking_attribute(judged.lacking))}
+    groups = {"/": root.assign_attrs(lacking_attribute(judged.missing_series))}
     for name, solver in study.solvers().items():
         mine = [level for level in levels if level.solver == name]
         dataset = level_table(mine).assign_attrs(solver=name, scheme=_describe(solver), orders=json.dumps(dict(solver.orders)))

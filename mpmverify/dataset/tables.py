@@ -1,4 +1,4 @@
-"""Reading of the files of several studies into flat tables, which two sets of results are compared by."""
+"""Files of several studies read into flat tables, for the comparison of two sets of results."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,7 +12,7 @@ from mpmverify.dataset.findings import read_findings
 from mpmverify.dataset.fits import read_orders
 from mpmverify.dataset.levels import read_levels
 from mpmverify.dataset.study import parsing, read_tree, solvers
-from mpmverify.judgement.baseline import identified
+from mpmverify.judgement.baseline import norms_by_level
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.tables import PROVENANCE, Order, Run, SeriesKey, Tables
 
@@ -54,7 +54,7 @@ def _tables(tree: xr.DataTree) -> Tables:
             series = SeriesKey(study, *level.series)
             # Each level alone: the evidence of a series omits what one of its levels lacks.
             seen = evidence_of([level])
-            ((name, values),) = identified(seen)
+            ((name, values),) = norms_by_level(seen)
             names.setdefault(level.series, set()).add(name)
             runs[series, name] = Run(level.outcome, level.steps, level.point_steps, level.seconds)
             for measure, error in values.items():

@@ -60,7 +60,7 @@ def accept(baseline: Baseline, paths: Sequence[Path], reason: str) -> int:
     studies = [read_study(path) for path in paths]
     for stored in studies:
         evidence = evidence_by_series(stored.levels)
-        count += baseline.take_over(stored.name, stored.declared, evidence)
+        count += baseline.accept_study(stored.name, stored.declared, evidence)
     with parsing(paths[0]):
         baseline.log(studies[0].attributes, reason)
     return count

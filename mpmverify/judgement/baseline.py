@@ -1,6 +1,6 @@
-"""The regression gate: error magnitudes against a committed baseline, accepted by a command with a reason.
+"""The regression gate: compares error norms with a baseline file, whose values were accepted by a command with a reason.
 
-A loss by a constant factor leaves every order unchanged; this gate sees it.
+An error that grows by a constant factor on all levels leaves the order unchanged; this gate detects it.
 """
 
 import json
@@ -22,22 +22,22 @@ from mpmverify.judgement.findings import Finding
 
 TITLE = "errors against the accepted baseline"
 RELATIVE = 0.01
-"""Change of an error norm that counts; compilers and libraries change the last digits only."""
+"""Relative change of an error norm up to which it counts as unchanged; compilers and libraries change the last digits only."""
 NOISE = 1e-11
-"""Errors relative to the exact norm below which a change is round-off."""
+"""Change of an error norm, relative to the exact norm, up to which it is round-off."""
 
 
 @dataclass(frozen=True)
 class Baseline:
-    """Accepted error norms.
+    """Accepted error norms of a file.
 
     Parameters
     ----------
     path : Path
     entries : mapping
-        study -> solver -> "case | refinement" -> level -> "quantity norm" -> absolute error.
+        study -> solver -> "case | refinement" -> level -> "quantity norm" -> absolute error, in the unit of the quantity.
     accepted : list of mapping
-        Who accepted what, when and why; the newest last.
+        Date, commit and reason of each acceptance; the newest last.
     """
 
     path: Path
@@ -46,13 +46,21 @@ class Baseline:
 
     @property
     def source(self) -> str:
+        """Date and reason of the last acceptance."""
         if not self.accepted:
             return "no baseline"
         last = self.accepted[-1]
         return f"baseline accepted on {last['date']}: {last['reason']}"
 
     def judge(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> Judgement:
-        """Compare the errors of one series with the accepted ones: worse fails, better asks to be accepted."""
+        """Compare the error norms of one series with the accepted ones.
+
+        Returns
+        -------
+        (Verdict, str)
+            FAIL if an error is larger, else INCONCLUSIVE if one is smaller or only one side has it, else PASS; ERROR if a run did not
+            complete or a value is not finite. With the reason.
+        """
         if evidence.incomplete:
             return Verdict.ERROR, evidence.incomplete
         accepted = self.entries.get(study, {}).get(solver, {}).get(f"{case} | {refinement}", {})
@@ -60,7 +68,7 @@ class Baseline:
         better: list[tuple[float, str]] = []
         missing: list[str] = []
         compared = 0
-        for k, (level, values) in enumerate(identified(evidence)):
+        for k, (level, values) in enumerate(norms_by_level(evidence)):
             known = accepted.get(level, {})
             missing.extend(f"{name} at {level}" for name in sorted(values.keys() ^ known.keys()))
             for name, now in values.items():
@@ -89,21 +97,21 @@ class Baseline:
             return Verdict.INCONCLUSIVE, "no error was measured that a baseline could hold"
         return Verdict.PASS, f"{compared} errors within {RELATIVE:.0%} of the baseline"
 
-    def lacking(self, study: str, series: Collection[tuple[str, str, str]], restricted_to: str = "") -> Finding | None:
-        """Say which series the baseline holds of a study whose results lack them, for a part passes for no whole.
+    def missing_series(self, study: str, series: Collection[tuple[str, str, str]], restricted_to: str = "") -> Finding | None:
+        """Check that the results of a study contain every series of the baseline, so that no study passes by leaving series out.
 
         Parameters
         ----------
         study : str
         series : collection of (case, solver, refinement)
-            What was run of it.
+            Series that were run.
         restricted_to : str
-            What the run was restricted to, "" where it was not.
+            Part of the study to which the run was restricted; "" for the whole study.
 
         Returns
         -------
         Finding or None
-            INCONCLUSIVE of the first of them by name; None where none is lacking.
+            INCONCLUSIVE, on the first missing series by solver, case and refinement; None if no series is missing.
         """
         run = {(solver, f"{case} | {refinement}") for case, solver, refinement in series}
         known = [(solver, name) for solver, entry in self.entries.get(study, {}).items() for name in entry]
@@ -117,15 +125,27 @@ class Baseline:
         reason = f"in the baseline, but not in the results ({len(absent)} of {len(known)} series in all): {why}{remedy}"
         return Finding(study, case, solver, refinement, "regression", TITLE, Verdict.INCONCLUSIVE, reason, self.source)
 
-    def take_over(
+    def accept_study(
         self, study: str, declared: Mapping[SeriesId, Sequence[Criterion]], evidence: Mapping[SeriesId, Evidence]
     ) -> int:
-        """Take over the errors of every series that is compared with a baseline, and return how many there are.
+        """Store the error norms of every series of a study that is compared with a baseline.
+
+        Parameters
+        ----------
+        study : str
+        declared : mapping of SeriesId to sequence of Criterion
+            Criteria of each series.
+        evidence : mapping of SeriesId to Evidence
+
+        Returns
+        -------
+        int
+            Number of stored series.
 
         Raises
         ------
         UsageError
-            If a run among them did not complete.
+            If a run of such a series did not complete, or an error norm is not finite.
         """
         count = 0
         for series, seen in evidence.items():
@@ -133,28 +153,28 @@ class Baseline:
                 continue
             if set(seen.outcomes) != {"completed"} or not all(np.isfinite(table).all() for table in seen.error.values()):
                 where = f"{study}/{series.case}/{series.solver} ({series.refinement})"
-                raise UsageError(f"{where} did not complete on every level: a baseline takes finished runs alone")
-            self.updated(study, series.solver, series.case, series.refinement, seen)
+                raise UsageError(f"{where} did not complete on every level: a baseline accepts completed runs only")
+            self.accept_series(study, series.solver, series.case, series.refinement, seen)
             count += 1
         return count
 
     def log(self, provenance: Mapping[str, Any], reason: str) -> None:
-        """Say when, of which commit and why errors were accepted."""
+        """Record the date, the commit and the reason of an acceptance."""
         commit = f"{provenance['commit']} ({provenance['commit_state']})"
         self.accepted.append({"date": provenance["date_created"], "commit": commit, "reason": reason})
 
-    def updated(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> None:
-        """Take over the errors of one series."""
+    def accept_series(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> None:
+        """Store the error norms of one series; other levels of the series are kept."""
         series = self.entries.setdefault(study, {}).setdefault(solver, {}).setdefault(f"{case} | {refinement}", {})
-        series |= dict(identified(evidence))
+        series |= dict(norms_by_level(evidence))
 
     def write(self) -> None:
-        """Write the baseline, sorted, so that a change reads well in version control; no folder is made for it.
+        """Write the baseline file, sorted, so that changes are readable in version control.
 
         Raises
         ------
         ResultsError
-            If it cannot be written: the former baseline stays.
+            If the folder does not exist or the file cannot be written; an existing file is then unchanged.
         """
         remedy = "choose another with --baseline"
         if not self.path.parent.is_dir():
@@ -165,17 +185,17 @@ class Baseline:
 
 
 def noise(size: float) -> float:
-    """Error norm that is round-off beside an exact norm `size`, and beside one where that is zero."""
+    """Largest error norm that is round-off for an exact norm `size`; a size of zero counts as one."""
     return NOISE * (size or 1.0)
 
 
 def rose(then: float, now: float, size: float) -> bool:
-    """Whether an error norm grew by what counts, beyond the round-off of an exact norm `size`; NaN never does."""
+    """Whether an error norm grew by more than `RELATIVE` and the round-off of an exact norm `size`; False for NaN."""
     return now > then * (1 + RELATIVE) + noise(size)
 
 
-def identified(evidence: Evidence) -> Iterator[tuple[str, Mapping[str, float]]]:
-    """Identity of each level, and its absolute error norms to seven digits by quantity and norm."""
+def norms_by_level(evidence: Evidence) -> Iterator[tuple[str, Mapping[str, float]]]:
+    """Yield the name of each level and its absolute error norms, rounded to seven digits, by "quantity norm"."""
     for k, (h, courant, ppc) in enumerate(zip(evidence.h, evidence.courant, evidence.ppc, strict=True)):
         values = {
             f"{quantity} {norm}": float(f"{table[k, n]:.6e}")
@@ -188,17 +208,17 @@ def identified(evidence: Evidence) -> Iterator[tuple[str, Mapping[str, float]]]:
 
 
 def read_baseline(path: Path) -> Baseline:
-    """Read a baseline; a missing file is an empty one.
+    """Read a baseline file; the baseline is empty if the file does not exist.
 
     Raises
     ------
     ResultsError
-        If the file is damaged or foreign.
+        If the file cannot be read or is not a baseline.
     """
     try:
         body = json.loads(path.read_text(encoding="utf-8"))
         if not (_holds_errors(body["errors"]) and all({"date", "reason"} <= entry.keys() for entry in body["accepted"])):
-            raise ValueError("an error is no finite number, or an entry stands where none belongs")
+            raise ValueError("an error is not a finite number, or the nesting is wrong")
         return Baseline(path, body["errors"], list(body["accepted"]))
     except FileNotFoundError:
         return Baseline(path)
@@ -207,7 +227,7 @@ def read_baseline(path: Path) -> Baseline:
 
 
 def _holds_errors(table: Any, depth: int = 5) -> bool:
-    """Whether nested mappings end, after study, solver, series, level and norm, in finite errors that are not negative."""
+    """Whether a table is nested by study, solver, series, level and norm, and every error is finite and not negative."""
     if depth == 0:
         return isinstance(table, int | float) and math.isfinite(table) and table >= 0
     return isinstance(table, dict) and all(_holds_errors(value, depth - 1) for value in table.values())

@@ -1,11 +1,11 @@
-"""What differs between two results folders: one thing, its direction and its size."""
+"""One difference between two results folders: its kind, its direction and its size."""
 
 from dataclasses import dataclass
 from enum import StrEnum
 
 
 class Direction(StrEnum):
-    """Where a change leads: the worst first, and each as far from one end as its opposite from the other."""
+    """Direction of a change, from worst to best; opposite directions have mirrored positions in this order."""
 
     WORSE = "worse"
     LOST = "lost"
@@ -21,7 +21,7 @@ class Direction(StrEnum):
 
 
 class Kind(StrEnum):
-    """What changed: the cause before what follows from it."""
+    """What changed; causes come before their consequences."""
 
     STUDY = "study"
     CASE = "case"
@@ -40,20 +40,20 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True)
 class Change:
-    """One thing that differs.
+    """One difference between two results folders.
 
     Parameters
     ----------
     direction : Direction
     kind : Kind
     study, case, solver, refinement, level : str
-        Where; "" for what spans them.
+        Where it occurs; "" for those that do not apply.
     name : str
-        The criterion, or "quantity norm"; "" where the place says it all.
+        Title of the criterion, or "quantity norm"; "" for other kinds.
     before, after : str, float or None
-        In the first folder and in the second; None where there is nothing.
+        Value in the first and in the second folder; None if there is no value.
     size : float
-        How far it changed, to rank changes of one kind: the logarithm of a ratio, a difference of orders or of ranks.
+        Size of the change, to sort changes of one kind: the logarithm of a ratio, or a difference of orders or of ranks.
     """
 
     direction: Direction

@@ -1,4 +1,4 @@
-"""Two results folders side by side: what got worse or better, slower or faster, lost or new; from the stored numbers alone."""
+"""Comparison of two results folders by their stored numbers: what is worse or better, slower or faster, lost or new."""
 
 import math
 from collections.abc import Hashable, Iterator, Mapping, Sequence
@@ -14,28 +14,29 @@ K = TypeVar("K")
 V = TypeVar("V")
 
 SLOWER = 1.25
-"""Ratio of seconds that counts."""
-MOST = 0.75
-"""Share of the runs of a solver on a study that must be slower, beside their sum. Each is timed once: between repetitions of the same
-code on a busy machine the sum alone grew or fell by more than `SLOWER` for 111 of 177 pairs, with this share for 4."""
+"""Ratio of seconds above which a run is slower."""
+SLOWER_SHARE = 0.75
+"""Share of the runs of a solver on a study that must be slower, in addition to their sum, because every run is timed only once. When
+the same code was run repeatedly on a busy machine, the sum alone changed by more than `SLOWER` for 111 of 177 pairs; with this share,
+4 remained."""
 SECONDS = 0.01
-"""Seconds of a solver on a study below which a change is noise [s]."""
+"""Total time of a solver on a study below which a change is noise [s]."""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """What differs between two results folders.
+    """Differences between two results folders.
 
     Parameters
     ----------
     before, after : mapping of str to tuple of str
-        Distinct values of each provenance attribute of a folder.
+        Distinct values of each provenance attribute in the first and in the second folder.
     cautions : tuple of str
-        Why the two can be compared in part only, a sentence each.
+        What limits the comparison, one sentence each.
     changes : tuple of Change
         The worst first.
     compared : mapping of str to int
-        How many verdicts, errors, orders and runs both folders hold.
+        Number of verdicts, errors, orders and runs that both folders have.
     """
 
     before: Mapping[str, tuple[str, ...]]
@@ -46,20 +47,20 @@ class Comparison:
 
     @property
     def exit_status(self) -> int:
-        """1 when something got worse or was lost, else 0; seconds and steps decide nothing."""
+        """1 if something is worse or lost, else 0; changes of seconds and steps do not count."""
         return int(any(change.direction in (Direction.WORSE, Direction.LOST) for change in self.changes))
 
     def grouped(self) -> list[tuple[Change, int]]:
-        """The first of the changes that a person reads as one, and how many of them there are; the worst first."""
+        """Changes grouped for display: the first change of each group and the size of the group; the worst first."""
         table: dict[Hashable, list[Change]] = {}
         for change in self.changes:
-            table.setdefault((change.direction, change.kind, _likeness(change)), []).append(change)
+            table.setdefault((change.direction, change.kind, _group(change)), []).append(change)
         return [(some[0], len(some)) for some in table.values()]
 
 
-def _likeness(change: Change) -> Hashable:
-    """What changes of one direction and kind share that a person reads as one."""
-    if change.kind is Kind.VERDICT and change.name.startswith("regression"):  # one for each series, beside its errors
+def _group(change: Change) -> Hashable:
+    """Key by which changes of one direction and kind are grouped for display."""
+    if change.kind is Kind.VERDICT and change.name.startswith("regression"):  # the errors of each series are listed anyway
         return change.study, change.name, change.before, change.after
     if change.kind in (Kind.ORDER, Kind.ERROR, Kind.STEPS, Kind.NORM, Kind.LEVEL):
         return change.study, change.case, change.solver, change.refinement
@@ -67,9 +68,9 @@ def _likeness(change: Change) -> Hashable:
 
 
 def compare(before: Tables, after: Tables) -> Comparison:
-    """Compare two results folders; what only one of them holds is lost or new, and judged no further."""
+    """Compare two results folders; entries of the first alone are lost, entries of the second alone are new."""
     changes = [
-        *_parts(before, after),
+        *_lost_and_new(before, after),
         *_verdicts(before, after),
         *_outcomes(before, after),
         *(errors := list(_errors(before, after))),
@@ -95,13 +96,13 @@ def compare(before: Tables, after: Tables) -> Comparison:
     )
 
 
-def _parts(before: Tables, after: Tables) -> Iterator[Change]:
-    """What one folder lacks: the largest part that is missing stands for all that it holds."""
+def _lost_and_new(before: Tables, after: Tables) -> Iterator[Change]:
+    """Entries that only one folder has; a missing study, case or solver is reported once, not with everything in it."""
     for direction, mine, theirs in ((Direction.LOST, before, after), (Direction.NEW, after, before)):
-        present = {part for series, level in theirs.runs for _, part in _containing(series, level)}
+        present = {part for series, level in theirs.runs for _, part in _enclosing_parts(series, level)}
         absent = {}
         for series, level in mine.runs:
-            missing = [(kind, part) for kind, part in _containing(series, level) if part not in present]
+            missing = [(kind, part) for kind, part in _enclosing_parts(series, level) if part not in present]
             absent.update(dict.fromkeys(missing[:1]))
         for kind, part in absent:
             yield Change(direction, kind, *part)
@@ -115,8 +116,8 @@ def _parts(before: Tables, after: Tables) -> Iterator[Change]:
                 yield Change(direction, Kind.NORM, *series, level, name)
 
 
-def _containing(series: SeriesKey, level: str) -> list[tuple[Kind, tuple[str, str, str, str, str]]]:
-    """Parts that a run lies in, the largest first."""
+def _enclosing_parts(series: SeriesKey, level: str) -> list[tuple[Kind, tuple[str, str, str, str, str]]]:
+    """Parts of a folder that contain a run, the largest first."""
     study, case, solver, refinement = series
     return [
         (Kind.STUDY, (study, "", "", "", "")),
@@ -138,30 +139,30 @@ def _verdicts(before: Tables, after: Tables) -> Iterator[Change]:
 
 
 def _outcomes(before: Tables, after: Tables) -> Iterator[Change]:
-    for (series, level), then, now in _both(before.runs, after.runs):
+    for (series, level), then, now in _in_both(before.runs, after.runs):
         if (then.outcome == "completed") is not (now.outcome == "completed"):
             direction = Direction.WORSE if then.outcome == "completed" else Direction.BETTER
             yield Change(direction, Kind.OUTCOME, *series, level, before=then.outcome, after=now.outcome)
 
 
 def _errors(before: Tables, after: Tables) -> Iterator[Change]:
-    """Errors that changed by the rule of the regression gate; one that is not finite is worse than any that is."""
-    for (series, level, name), (then, size_then), (now, size_now) in _both(before.errors, after.errors):
+    """Errors that changed by more than the regression gate allows; a non-finite error is worse than every finite one."""
+    for (series, level, name), (then, size_then), (now, size_now) in _in_both(before.errors, after.errors):
         size = max(size_then, size_now)
         if not (math.isfinite(then) and math.isfinite(now)):
             worse, better, by = math.isfinite(then), math.isfinite(now), math.inf
         else:
             worse, better = rose(then, now, size), rose(now, then, size)
-            by = _apart(then, now, noise(size))
+            by = _log_ratio(then, now, noise(size))
         if worse or better:
             direction = Direction.WORSE if worse else Direction.BETTER
             yield Change(direction, Kind.ERROR, *series, level, name, then, now, by)
 
 
 def _orders(before: Tables, after: Tables, errors: Sequence[Change]) -> Iterator[Change]:
-    """Orders of the same levels whose intervals lie apart; where no error changed, they lie apart by round-off."""
+    """Orders over the same levels whose intervals do not overlap; only where an error changed, since else the cause is round-off."""
     changed = {(SeriesKey(c.study, c.case, c.solver, c.refinement), c.name) for c in errors}
-    for key, then, now in _both(before.orders, after.orders):
+    for key, then, now in _in_both(before.orders, after.orders):
         if key in changed and then.levels == now.levels and (now.high < then.low or then.high < now.low):
             direction = Direction.WORSE if now.high < then.low else Direction.BETTER
             was, is_ = (f"{fit.order:.3f} [{fit.low:.3f}, {fit.high:.3f}]" for fit in (then, now))
@@ -169,17 +170,17 @@ def _orders(before: Tables, after: Tables, errors: Sequence[Change]) -> Iterator
 
 
 def _steps(before: Tables, after: Tables) -> Iterator[Change]:
-    """Work that changed: it is exact, and more of it is slower on every machine."""
+    """Changed numbers of steps: unlike seconds they are exact, and more steps are slower on every machine."""
     for (series, level), then, now in _completed(before, after):
         for name, was, is_ in (("steps", then.steps, now.steps), ("point-steps", then.point_steps, now.point_steps)):
             if was != is_:
                 direction = Direction.SLOWER if is_ > was else Direction.FASTER
-                yield Change(direction, Kind.STEPS, *series, level, name, was, is_, _apart(was, is_, 1))
+                yield Change(direction, Kind.STEPS, *series, level, name, was, is_, _log_ratio(was, is_, 1))
                 break
 
 
 def _seconds(before: Tables, after: Tables) -> Iterator[Change]:
-    """Solvers that became slower or faster on a study: by the sum of their runs and by at least three quarters of them."""
+    """Solvers that are slower or faster on a study: in the sum of their runs and in at least `SLOWER_SHARE` of the runs."""
     timed: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for (series, _), then, now in _completed(before, after):
         timed.setdefault((series.study, series.solver), []).append((then.seconds, now.seconds))
@@ -188,23 +189,23 @@ def _seconds(before: Tables, after: Tables) -> Iterator[Change]:
         compared = [*pairs, (max(was, SECONDS), max(is_, SECONDS))]
         slower, faster = ([b > SLOWER * a for a, b in compared], [a > SLOWER * b for a, b in compared])
         for direction, (*runs, together) in ((Direction.SLOWER, slower), (Direction.FASTER, faster)):
-            if together and sum(runs) >= MOST * len(runs):
-                size = _apart(was, is_, SECONDS)
+            if together and sum(runs) >= SLOWER_SHARE * len(runs):
+                size = _log_ratio(was, is_, SECONDS)
                 yield Change(direction, Kind.SECONDS, study, solver=solver, before=was, after=is_, size=size)
 
 
-def _apart(then: float, now: float, least: float) -> float:
-    """Logarithm of the ratio of two numbers, the larger over the smaller; what is below `least` counts as that."""
+def _log_ratio(then: float, now: float, least: float) -> float:
+    """Log of the ratio of two numbers, the larger over the smaller; numbers below `least` are replaced by it."""
     return abs(math.log(max(now, least)) - math.log(max(then, least)))
 
 
 def _completed(before: Tables, after: Tables) -> Iterator[tuple[tuple[SeriesKey, str], Run, Run]]:
-    for key, then, now in _both(before.runs, after.runs):
+    for key, then, now in _in_both(before.runs, after.runs):
         if then.outcome == now.outcome == "completed":
             yield key, then, now
 
 
-def _both(before: Mapping[K, V], after: Mapping[K, V]) -> Iterator[tuple[K, V, V]]:
+def _in_both(before: Mapping[K, V], after: Mapping[K, V]) -> Iterator[tuple[K, V, V]]:
     for key, then in before.items():
         if key in after:
             yield key, then, after[key]
@@ -221,7 +222,7 @@ def _cautions(before: Tables, after: Tables) -> Iterator[str]:
             yield f"{name} holds studies of {len(seen['commit'])} commits: run them all again to compare commits"
         if "dirty" in seen["commit_state"]:
             yield f"{name} was made with uncommitted changes: its commit does not say all that was run"
-    common = [(then, now) for _, then, now in _both(before.provenance, after.provenance)]
+    common = [(then, now) for _, then, now in _in_both(before.provenance, after.provenance)]
     tiers = {f"{then['tier']} and {now['tier']}" for then, now in common if then["tier"] != now["tier"]}
     if tiers:
         yield f"the tiers differ ({', '.join(sorted(tiers))}): levels that one of them lacks are not compared"
@@ -232,7 +233,7 @@ def _cautions(before: Tables, after: Tables) -> Iterator[str]:
 
 
 def _unequal(then: str, now: str) -> list[str]:
-    """Entries of two comma-separated lists that are in one of them alone."""
+    """Difference of two comma-separated lists as "old -> new"; empty if they have the same entries."""
     was, is_ = then.split(", "), now.split(", ")
     pair = ([entry for entry in was if entry not in is_], [entry for entry in is_ if entry not in was])
     return [" -> ".join(", ".join(entries) or "nothing" for entries in pair)] if any(pair) else []

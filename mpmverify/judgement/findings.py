@@ -1,4 +1,4 @@
-"""Findings: a criterion judged, with everything that a reader needs to act on it."""
+"""Findings: verdicts of criteria, with the information that a reader needs to act on them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from mpmverify.criteria.evidence import Evidence
 
 @dataclass(frozen=True)
 class Finding:
-    """One verdict with everything that a reader needs to act on it.
+    """One verdict, with the information that a reader needs to act on it.
 
     Parameters
     ----------
     study, case, solver, refinement : str
-        What was judged.
+        Series that was judged.
     gate : str
         "verification" or "regression".
     criterion : str
@@ -25,7 +25,7 @@ class Finding:
     reason : str
         What was measured.
     source : str
-        Where the expectation comes from.
+        Source of the expectation.
     """
 
     study: str
@@ -40,7 +40,7 @@ class Finding:
 
     @classmethod
     def of(cls, fields: Mapping[str, Any]) -> "Finding":
-        """Make a finding of its fields as a file holds them; an unknown verdict is a `ValueError`."""
+        """Make a finding from its fields as stored in a file; an unknown verdict raises a `ValueError`."""
         return cls(**(dict(fields) | {"verdict": Verdict(fields["verdict"])}))
 
     def __str__(self) -> str:
@@ -48,9 +48,9 @@ class Finding:
 
 
 def judge_criterion(criterion: Criterion, evidence: Evidence) -> Judgement:
-    """Judge one criterion of one series.
+    """Judge one criterion on one series.
 
-    A run that did not complete is an ERROR with its outcome, before any number is looked at, except to a criterion on outcomes.
+    If a run did not complete, the verdict is ERROR with the outcome of the run, unless the criterion is on outcomes.
     """
     if evidence.incomplete and not isinstance(criterion, OnOutcomes):
         return Verdict.ERROR, evidence.incomplete

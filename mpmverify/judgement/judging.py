@@ -1,4 +1,4 @@
-"""From evidence to findings: the one place where a study is judged."""
+"""From evidence to findings: the only place where a study is judged."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,28 +24,28 @@ class Judged:
     Parameters
     ----------
     evidence : mapping of SeriesId to Evidence
-        What was judged.
+        Evidence of each series.
     by_series : mapping of SeriesId to tuple of Finding
-        Findings of each series, solver by solver.
-    lacking : Finding or None
-        Finding on the series that the baseline holds and the results lack; None where nothing is lacking.
+        Findings of each series, ordered by solver.
+    missing_series : Finding or None
+        Finding on series that are in the baseline but not in the results; None if there are none.
     fits : mapping of SeriesId to Fits
-        Empty for a design, which has no single order.
+        Analysis of each error; empty for a design, which has no single order.
     separations : mapping of SeriesId to tuple of (Separated, Separation)
-        Sources of error that a criterion separates.
+        Sources of error, for each criterion that separates them.
     """
 
     evidence: Mapping[SeriesId, Evidence]
     by_series: Mapping[SeriesId, tuple[Finding, ...]]
-    lacking: Finding | None
+    missing_series: Finding | None
     fits: Mapping[SeriesId, Fits]
     separations: Mapping[SeriesId, tuple[tuple[Separated, Separation], ...]]
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """All findings, the one on what is lacking last."""
+        """All findings, with the one on missing series last."""
         listed = [finding for findings in self.by_series.values() for finding in findings]
-        return (*listed, *([self.lacking] if self.lacking else []))
+        return (*listed, *([self.missing_series] if self.missing_series else []))
 
 
 def judge(
@@ -64,19 +64,19 @@ def judge(
         Criteria of each series.
     evidence : mapping of SeriesId to Evidence
     baseline : Baseline, optional
-        Without one there is no regression gate.
+        Without a baseline there is no regression gate.
     restricted_to : str
-        What the run was restricted to, "" where it was not.
+        Part of the study to which the run was restricted; "" for the whole study.
 
     Raises
     ------
     ResultsError
-        If a criterion is declared of a series without evidence: it would hold of nothing, unseen.
+        If a criterion is declared for a series without evidence; it must not be skipped silently.
     """
     for series in declared.keys() - evidence.keys():
         for criterion in declared[series]:
             where = f"{study}/{series.case}/{series.solver} ({series.refinement})"
-            raise ResultsError(f"{criterion.title!r} is to hold of {where}, which is not there: run it again")
+            raise ResultsError(f"{criterion.title!r} is declared for {where}, which has no results: run it again")
     solvers = list(dict.fromkeys(series.solver for series in evidence))
     ordered = sorted(evidence, key=lambda series: solvers.index(series.solver))
     return Judged(
@@ -84,7 +84,7 @@ def judge(
         by_series={
             series: _findings(study, series, declared.get(series, ()), evidence[series], baseline) for series in ordered
         },
-        lacking=baseline.lacking(study, ordered, restricted_to) if baseline else None,
+        missing_series=baseline.missing_series(study, ordered, restricted_to) if baseline else None,
         fits={series: _fits(evidence[series]) for series in ordered},
         separations={series: _separations(declared.get(series, ()), evidence[series]) for series in ordered},
     )

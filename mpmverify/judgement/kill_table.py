@@ -1,4 +1,4 @@
-"""What a self-test finds: the fate of every planted fault, of every run of the unmodified solvers, and of random series."""
+"""Results of a self-test: the fates of planted faults, runs of the unmodified solvers, and rates of verdicts on random series."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -8,15 +8,26 @@ from mpmverify.convergence.synthetic import Rate, total
 __all__ = ["Fate", "PlantedFault", "Rate", "Rates", "SelfTest", "UnmodifiedRun", "total"]
 
 WRONG_PASS, WRONG_FAIL = 0.001, 0.01
-"""Share of random series, all kinds together, of which as many may be judged wrongly."""
+"""Largest accepted rates of wrong verdicts on random series, over all kinds together."""
 
 
 class Fate(StrEnum):
-    """What may become of a fault.
+    """Fate of a planted fault.
 
-    Killed by verification, to which the contract of a solution belongs, or by the regression gate alone; it does not compile, raises,
-    hangs or ends its process; its results agree with the original's on all trials to round-off, or no trial comes to its passage;
-    the machine was too busy to tell; or its results differ and everything passed.
+    KILLED
+        Verification, or a check on what a solution must contain, detects it.
+    REGRESSION
+        Only the regression gate detects it.
+    BROKEN
+        It does not compile, raises an exception, hangs or ends its process.
+    EQUIVALENT
+        Its results agree with those of the original to round-off in all trials.
+    NOT_EXERCISED
+        No trial executes the changed code.
+    UNDECIDED
+        The machine was too busy to decide.
+    SURVIVED
+        Its results differ, but both gates pass.
     """
 
     KILLED = "killed"
@@ -30,29 +41,30 @@ class Fate(StrEnum):
 
 @dataclass(frozen=True)
 class PlantedFault:
-    """A fault and what became of it.
+    """A planted fault and its fate.
 
     Parameters
     ----------
     id, family, rule, name : str
-        What it is; the rule is "named" for a fault of the list.
+        Identity of the fault; the rule is "named" for faults of the hand-written list.
     file, before, after : str
-        Where it stands, and the passage before and after.
+        File, and its source text without and with the fault.
     line : int
+        Line in the file.
     fate : Fate
     study, case, solver, gate, verdict, criterion : str
-        What killed it, or the worst that was said of it; "" where nothing was.
+        The finding that killed the fault, or else the worst finding; "" if there is none.
     reason : str
-        What was measured, or why it does not run.
+        What was measured, or why the fault does not run.
     deviation : float
-        Largest relative deviation from the original's results on the trials that it lived to see; infinite where they have
-        another shape.
+        Largest relative deviation from the results of the original, over the trials until the fault was killed; infinite if the shapes
+        differ.
     trials : int
-        How many those were.
+        Number of these trials.
     seconds : float
-        Compilation included.
+        Time of the trials, including compilation [s].
     explanation : str
-        Of a survivor: what would kill it.
+        For a survivor: what would kill it.
     """
 
     id: str
@@ -79,7 +91,25 @@ class PlantedFault:
 
 @dataclass(frozen=True)
 class UnmodifiedRun:
-    """One run of all trials with the solvers as they are shipped: `verdict` is the worst, of `judged` ones."""
+    """One run of all trials with the unmodified solvers.
+
+    Parameters
+    ----------
+    jobs, threads : int
+        Number of processes, and of threads in each.
+    jitter : float
+        Largest random displacement of a particle, relative to the particle spacing [1].
+    seed : int
+        Seed of the displacements.
+    verdict : str
+        The worst verdict.
+    judged : int
+        Number of verdicts.
+    reason : str
+        Reason of the worst verdict.
+    seconds : float
+        Wall time [s].
+    """
 
     jobs: int
     threads: int
@@ -93,15 +123,15 @@ class UnmodifiedRun:
 
 @dataclass(frozen=True)
 class Rates:
-    """How often the judge is right about random series, about designs, and about series at the limits of what can be seen."""
+    """Rates of right and wrong verdicts on random series, on designs, and on series that are hard to decide."""
 
     series: tuple[Rate, ...] = ()
     designs: tuple[Rate, ...] = ()
     limits: tuple[Rate, ...] = ()
 
     @property
-    def astray(self) -> bool:
-        """Whether too many verdicts on series or designs are wrong; those at the limits are inherent."""
+    def wrong_too_often(self) -> bool:
+        """Whether too many verdicts on series or designs are wrong; wrong verdicts on `limits` are inevitable and do not count."""
         return any(
             rate.wrong_pass >= WRONG_PASS * rate.series or rate.wrong_fail >= WRONG_FAIL * rate.series
             for rate in (total(self.series), total(self.designs))
@@ -110,7 +140,17 @@ class Rates:
 
 @dataclass(frozen=True)
 class SelfTest:
-    """A self-test: `sites` counts the faults that the rules make, of which the table has a sample."""
+    """Results of a self-test.
+
+    Parameters
+    ----------
+    tier : str
+    sites : int
+        Number of all faults that the rules can plant; `faults` contains a sample of them.
+    faults : tuple of PlantedFault
+    runs : tuple of UnmodifiedRun
+    rates : Rates
+    """
 
     tier: str
     sites: int
@@ -120,11 +160,11 @@ class SelfTest:
 
     @property
     def unexplained(self) -> tuple[PlantedFault, ...]:
-        """Survivors of which nobody has said what would kill them."""
+        """Survivors without an explanation."""
         return tuple(fault for fault in self.faults if fault.fate is Fate.SURVIVED and not fault.explanation)
 
     @property
-    def alarms(self) -> tuple[UnmodifiedRun, ...]:
+    def false_alarms(self) -> tuple[UnmodifiedRun, ...]:
         """Unmodified runs that did not pass."""
         return tuple(run for run in self.runs if run.verdict != "PASS")
 
@@ -132,9 +172,11 @@ class SelfTest:
     def passed(self) -> bool:
         fates = {fault.fate for fault in self.faults}
         asked = bool(self.runs) and not fates.isdisjoint({Fate.KILLED, Fate.REGRESSION})
-        return asked and Fate.UNDECIDED not in fates and not (self.unexplained or self.alarms or self.rates.astray)
+        return (
+            asked and Fate.UNDECIDED not in fates and not (self.unexplained or self.false_alarms or self.rates.wrong_too_often)
+        )
 
     def table(self) -> dict[str, dict[Fate, int]]:
-        """How many faults of each rule met each fate, the named ones first."""
+        """Number of faults by rule and fate, the named ones first."""
         rules = sorted({fault.rule for fault in self.faults}, key=lambda rule: (rule != "named", rule))
         return {rule: {fate: sum(f.rule == rule and f.fate is fate for f in self.faults) for fate in Fate} for rule in rules}

@@ -1,4 +1,4 @@
-"""Verdicts for machines and for pull requests: JUnit XML, a Markdown summary and annotations."""
+"""Summaries of findings for machines and pull requests: JUnit XML, Markdown and annotations for GitHub."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -12,13 +12,13 @@ from mpmverify.errors import UsageError
 from mpmverify.judgement.findings import Finding
 
 MARKDOWN_ROWS = 50
-"""Failures listed in a summary."""
+"""Largest number of findings listed in a summary."""
 STEP_SUMMARY = 1024 * 1024
-"""Bytes that the summary of one step may have on GitHub, which shows nothing of a larger one."""
+"""Largest size of the summary of one step on GitHub [bytes]; GitHub does not show a larger one at all."""
 ANNOTATIONS = 10
-"""Annotations of one kind that GitHub shows of one step."""
+"""Largest number of annotations of one kind that GitHub shows for one step."""
 CELL = 300
-"""Characters of a text in a summary or an annotation; longer ones are shortened."""
+"""Largest number of characters of a text in a summary or an annotation; longer texts are shortened."""
 XML_FORBIDDEN = dict.fromkeys({*range(32), *range(0xD800, 0xE000), 0xFFFE, 0xFFFF} - {9, 10, 13})
 
 MARKDOWN_ESCAPES = str.maketrans({"\\": "\\\\", "|": "\\|", "&": "&amp;", "<": "&lt;", ">": "&gt;"})
@@ -33,19 +33,19 @@ def matrix(findings: Sequence[Finding]) -> dict[str, dict[str, Verdict]]:
 
 
 def ranked(findings: Sequence[Finding]) -> list[Finding]:
-    """Findings that are no PASS, the worst first."""
+    """Findings other than PASS, the worst first."""
     order = list(Verdict)
     return sorted((f for f in findings if f.verdict is not Verdict.PASS), key=lambda f: -order.index(f.verdict))
 
 
 def counts(findings: Sequence[Finding]) -> str:
-    """Return "3 FAIL, 40 PASS": how many of each verdict, the worst first."""
+    """Number of findings of each verdict, the worst first, such as "3 FAIL, 40 PASS"."""
     count = Counter(finding.verdict for finding in findings)
     return ", ".join(f"{count[verdict]} {verdict}" for verdict in reversed(Verdict) if count[verdict]) or "nothing judged"
 
 
 def junit(findings: Sequence[Finding]) -> bytes:
-    """JUnit XML: a suite by study, a test case by finding; INCONCLUSIVE is skipped, with the reason."""
+    """JUnit XML with a test suite for each study and a test case for each finding; INCONCLUSIVE counts as skipped."""
     tags = {Verdict.FAIL: "failure", Verdict.ERROR: "error", Verdict.INCONCLUSIVE: "skipped"}
 
     def plain(text: str) -> str:
@@ -63,7 +63,9 @@ def junit(findings: Sequence[Finding]) -> bytes:
     root = ElementTree.Element("testsuites", {"name": "mpmverify"} | totals(findings))
     for study in dict.fromkeys(finding.study for finding in findings):
         mine = [finding for finding in findings if finding.study == study]
-        skipped = str(sum(finding.verdict is Verdict.INCONCLUSIVE for finding in mine))  # no schema has it of all the suites
+        skipped = str(
+            sum(finding.verdict is Verdict.INCONCLUSIVE for finding in mine)
+        )  # the schemas allow it in <testsuite> only
         suite = ElementTree.SubElement(root, "testsuite", {"name": plain(study), "skipped": skipped} | totals(mine))
         for finding in mine:
             name = plain(f"{finding.case} ({finding.refinement}) {finding.gate}: {finding.criterion}")
@@ -115,14 +117,14 @@ def _opened(path: Path, mode: str) -> Iterator[Any]:
 
 
 def markdown(findings: Sequence[Finding], room: int = STEP_SUMMARY) -> str:
-    """Markdown summary: the count, what is no PASS with reasons, the worst first, and the matrix of solver by study.
+    """Markdown summary: counts, findings other than PASS with their reasons, and the worst verdict of each solver and study.
 
     Parameters
     ----------
     findings : sequence of Finding
     room : int
-        Bytes that it may take in UTF-8. Rows that do not fit are left out, and a sentence says how many; the summary is empty where
-        not even the count fits.
+        Largest size in UTF-8 [bytes]. Rows that do not fit are left out, and a sentence gives their number. The summary is empty if
+        not even the counts fit.
     """
     text = f"## mpmverify: {worst(f.verdict for f in findings)}\n\n{counts(findings)}.\n"
     bad = ranked(findings)
@@ -137,7 +139,7 @@ def markdown(findings: Sequence[Finding], room: int = STEP_SUMMARY) -> str:
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]], what: str, room: int, most: int | None = None) -> str:
-    """As many of the first rows as there is room for, and how many more there are; "" where not even that fits."""
+    """Table of as many of the first rows as fit into `room` bytes, and the number of rows left out; "" if not even that fits."""
 
     def line(cells: Sequence[str]) -> str:
         return "| " + " | ".join(_short(cell).translate(MARKDOWN_ESCAPES) for cell in cells) + " |\n"
@@ -160,13 +162,13 @@ def _table(columns: Sequence[str], rows: Sequence[Sequence[str]], what: str, roo
 
 
 def annotations(findings: Sequence[Finding], results: Path) -> list[str]:
-    """Workflow commands by which GitHub shows the worst findings beside a run and its pull request.
+    """GitHub workflow commands that annotate a run and its pull request with the worst findings.
 
     Parameters
     ----------
     findings : sequence of Finding
     results : Path
-        Results folder, whose files they are about.
+        Results folder; each annotation refers to the file of its study in it.
     """
 
     def data(text: str) -> str:
@@ -185,7 +187,7 @@ def annotations(findings: Sequence[Finding], results: Path) -> list[str]:
 
 
 def _short(text: str) -> str:
-    """One line that every host takes."""
+    """Text as a single line without control characters, of at most `CELL` characters."""
     plain = " ".join(text.translate(XML_FORBIDDEN).split())
     return plain if len(plain) <= CELL else f"{plain[: CELL - 3]}..."
 

@@ -1,4 +1,4 @@
-"""A results folder as flat tables: what two folders can be compared by."""
+"""Flat tables of a results folder, for the comparison of two folders."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ PROVENANCE = ("commit", "commit_state", "tier", "versions", "platform", "date_cr
 
 
 class SeriesKey(NamedTuple):
-    """One solver on one ladder."""
+    """Identifies one series of one study: a solver on one refinement of a case."""
 
     study: str
     case: str
@@ -19,7 +19,7 @@ class SeriesKey(NamedTuple):
 
 
 class Run(NamedTuple):
-    """How one level was solved: its outcome, its steps, particles or elements times steps, and seconds without compilation."""
+    """How one level was solved: outcome, time steps, steps times particles or elements, and wall time without compilation [s]."""
 
     outcome: str
     steps: int
@@ -28,7 +28,7 @@ class Run(NamedTuple):
 
 
 class Order(NamedTuple):
-    """Fitted order with its interval, and the levels that were there to be fitted."""
+    """Fitted order with its confidence interval, and the levels of the series."""
 
     order: float
     low: float
@@ -38,7 +38,7 @@ class Order(NamedTuple):
 
 @dataclass(frozen=True)
 class Tables:
-    """What the studies of one results folder hold.
+    """Contents of the studies of one results folder.
 
     Parameters
     ----------
@@ -47,11 +47,11 @@ class Tables:
     runs : mapping
         By (series, level); a level is "h=... nu_C=... ppc=...".
     errors : mapping
-        (absolute error, exact norm), in the unit of the field, by (series, level, "quantity norm"). A run that did not complete has none.
+        (absolute error, exact norm), in the unit of the field, by (series, level, "quantity norm"); for completed runs only.
     orders : mapping
-        By (series, "quantity norm"), where a line was fitted.
+        By (series, "quantity norm"); only series with a fit.
     verdicts : mapping
-        By (series, "gate: criterion"): the worst where several criteria share their title.
+        By (series, "gate: criterion"); the worst verdict if several criteria have the same title.
     """
 
     provenance: Mapping[str, Mapping[str, str]]

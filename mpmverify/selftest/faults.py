@@ -1,4 +1,4 @@
-"""Faults: passages of a solver's source, and what stands there instead."""
+"""Faults: edits of a solver's source text."""
 
 import hashlib
 from dataclasses import dataclass
@@ -9,42 +9,45 @@ from mpmverify.errors import UsageError
 
 @dataclass(frozen=True)
 class Edit:
-    """One passage of a file, and what replaces it.
+    """Replacement of one passage of a source file.
 
     Parameters
     ----------
     file : str
-        Path below the folder of the solvers.
+        Path relative to the folder of the solvers.
     old, new : str
-    place, of : int
-        Which occurrence of `old` in the file is meant, from 0, and how many there must be.
+        The passage and its replacement.
+    occurrence : int
+        Which occurrence of `old` to replace, counted from 0.
+    count : int
+        Number of occurrences of `old` that the file must hold.
     """
 
     file: str
     old: str
     new: str
-    place: int = 0
-    of: int = 1
+    occurrence: int = 0
+    count: int = 1
 
     def begin(self, text: str) -> int:
-        """Offset of the passage in the text of its file.
+        """Return the offset of the passage in the text of its file, in characters.
 
         Raises
         ------
         UsageError
-            If the file does not hold the passage so often: the fault was declared for another version of it.
+            If `old` does not occur `count` times: the fault was declared for another version of the file.
         """
-        if text.count(self.old) != self.of:
+        if text.count(self.old) != self.count:
             raise UsageError(
-                f"{self.file} holds {self.old!r} {text.count(self.old)} times, not {self.of}: declare the fault anew"
+                f"{self.file} holds {self.old!r} {text.count(self.old)} times, not {self.count}: adapt the fault to the source"
             )
         at = -1
-        for _ in range(self.place + 1):
+        for _ in range(self.occurrence + 1):
             at = text.index(self.old, at + 1 if at < 0 else at + len(self.old))
         return at
 
     def applied(self, text: str) -> str:
-        """Text of the file with the passage replaced."""
+        """Return the text of the file with the passage replaced."""
         at = self.begin(text)
         return text[:at] + self.new + text[at + len(self.old) :]
 
@@ -56,13 +59,13 @@ class Fault:
     Parameters
     ----------
     family : str
-        Folder of the family: "mpm", "taylor_galerkin", "fem".
+        Folder of the family: "mpm", "taylor_galerkin" or "fem".
     rule : str
-        Rule that made it, or "named".
+        Rule that generated the fault, or "named".
     name : str
-        What is wrong, in a few words.
+        Short description of the error.
     edits : tuple of Edit
-        Made one after the other.
+        Applied in this order.
     """
 
     family: str
@@ -72,12 +75,12 @@ class Fault:
 
     @property
     def id(self) -> str:
-        """Rule, family and a digest of the edits, which stays when the file changes elsewhere."""
-        total = hashlib.sha256(repr([(edit.file, edit.old, edit.new, edit.place) for edit in self.edits]).encode())
+        """Family, rule and a digest of the edits; it does not change when other parts of the file do."""
+        total = hashlib.sha256(repr([(edit.file, edit.old, edit.new, edit.occurrence) for edit in self.edits]).encode())
         return f"{self.family}/{self.rule}/{total.hexdigest()[:8]}"
 
     def planted(self, sources: Path) -> dict[str, str]:
-        """Text of each file that the fault changes, by its path below `sources`."""
+        """Return the new text of each changed file, by its path relative to `sources`."""
         texts: dict[str, str] = {}
         for edit in self.edits:
             text = texts.get(edit.file) or (sources / edit.file).read_text(encoding="utf-8")
@@ -87,7 +90,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class Passage:
-    """Where a fault stands, for people: file, line, and the lines before and after the first edit."""
+    """Location of a fault for display: file, line number, and the text of its lines before and after the first edit."""
 
     file: str
     line: int
@@ -96,7 +99,7 @@ class Passage:
 
 
 def passage(fault: Fault, sources: Path) -> Passage:
-    """Look up where a fault stands in the sources."""
+    """Return the location of a fault's first edit in the sources."""
     edit = fault.edits[0]
     text = (sources / edit.file).read_text(encoding="utf-8")
     begin = edit.begin(text)

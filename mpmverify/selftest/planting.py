@@ -1,4 +1,4 @@
-"""A fault planted in a copy of the solvers, which stands for the original in a study."""
+"""Plant a fault in a copy of the solvers, and run studies with that copy."""
 
 import dataclasses
 import importlib
@@ -17,19 +17,19 @@ from mpmverify.study import Study
 
 @contextmanager
 def planted(fault: Fault, sources: Path, folder: Path) -> Iterator[str]:
-    """Copy the solvers into a folder, plant the fault, and give the name under which the copy imports.
+    """Copy the solvers into a folder, plant the fault, and yield the package name of the copy.
 
     Parameters
     ----------
     fault : Fault
     sources : Path
-        Folder of the solvers, one folder a family.
+        Folder of the solvers, with one subfolder for each family.
     folder : Path
-        What is imported, and compiled from it, goes here.
+        Folder for the copy and its compiled code.
 
     Notes
     -----
-    The name is new each time: modules, compiled code and content keys are remembered by name.
+    Each call makes a new package name, because Python, numba and the content keys cache by module name.
     """
     import numba
 
@@ -37,11 +37,11 @@ def planted(fault: Fault, sources: Path, folder: Path) -> Iterator[str]:
     name = f"planted_{secrets.token_hex(8)}"
     package = folder / name
     skipped = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(sources, package, ignore=skipped)  # a family may be built on others of these packages
+    shutil.copytree(sources, package, ignore=skipped)  # all families: one may import another
     (package / "__init__.py").touch()
     for file, text in fault.planted(sources).items():
         (package / file).write_text(text, encoding="utf-8")
-    compiled, settings.CACHE_DIR = settings.CACHE_DIR, ""  # beside the copy, wherever the environment wants it
+    compiled, settings.CACHE_DIR = settings.CACHE_DIR, ""  # cache beside the copy, also where NUMBA_CACHE_DIR is set
     sys.path.insert(0, str(folder))
     importlib.invalidate_caches()
     try:
@@ -54,13 +54,13 @@ def planted(fault: Fault, sources: Path, folder: Path) -> Iterator[str]:
 
 
 def copied(package: str, solver: Solver) -> Solver:
-    """Return the same solver value, of the classes in a planted package, its choices included."""
+    """Return the solver rebuilt from the classes of a planted package, with the same choices."""
     value: Solver = _copied(package, solver, type(solver).__module__.rpartition(".")[0])
     return value
 
 
 def _copied(package: str, value: Any, family: str) -> Any:
-    """Value of a class of a family, and what it holds of such; anything else is itself."""
+    """Rebuild a value, and the values in its fields, if their classes belong to the family; return any other value unchanged."""
     home = type(value).__module__
     if not home.startswith(f"{family}."):
         return value
@@ -71,7 +71,7 @@ def _copied(package: str, value: Any, family: str) -> Any:
 
 
 def replanted(study: Study, package: str) -> Study:
-    """Return a study with the solvers of a planted package in the place of its own."""
+    """Return the study with every solver replaced by its copy in a planted package."""
     cases = []
     for case in study.cases:
         series = tuple(dataclasses.replace(entry, solver=copied(package, entry.solver)) for entry in case.series)

@@ -1,14 +1,14 @@
-"""Faults by rule: every place of the numerical functions to which a rule applies, found in the syntax tree, patched in the text.
+"""Faults by rule: each rule patches the source of the numerical functions at every place of the syntax tree where it applies.
 
 Notes
 -----
-A rule is applied wherever it applies, in every function of a solver family but those in which a solver only speaks of itself
-(its name, its orders) and but refusals of a problem, messages, clocks and counts of work: none of these changes a result.
-Branches of other dimensions are left out as long as every trial has one: the compiler drops them.
+Code that cannot change a result is left out: functions that describe a solver (its name, its orders), the rejection of problems,
+messages, timing and counts of work. If all trials are one-dimensional, branches for other dimensions are left out, too, because
+the compiler drops them.
 
-`sampled` takes, of every family and every rule, the same number of places: those whose identities have the lowest SHA-256.
-An identity is made of the rule, the file and the patch, not of a line: a change elsewhere in the file draws no other sample, and
-nobody chooses.
+`sampled` draws the same number of faults from each family and rule: those whose ids have the lowest SHA-256 digests. The id
+depends on the rule, the file and the patch, not on line numbers, so the sample does not change when other parts of the file do,
+and nobody can select the faults.
 """
 
 import ast
@@ -21,10 +21,10 @@ from .faults import Fault
 from .syntax import Patch, Source, names
 
 COMPILERS: Mapping[str, tuple[str, ...]] = {"mpm": ("tracing",)}
-"""Packages beside a family that write its code: a fault of theirs is one of the family."""
+"""Packages that generate the code of a family: their faults count as faults of the family."""
 TIME_STEPS = {"dt", "leap", "kick"}
-END_WORDS = {"held", "loaded", "bounded", "side", "face", "end", "condition", "inwards"}
-"""Words by which code of a boundary is known, in the test of a branch, as the variable of a loop or as the table that it reads."""
+BOUNDARY_WORDS = {"held", "loaded", "bounded", "side", "face", "end", "condition", "inwards"}
+"""Names that mark boundary code: in the condition of a branch, as the variable of a loop, or as the table that a loop reads."""
 SWAPPED = {"+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+="}
 REVERSED = {"<": ">", ">": "<", "<=": ">=", ">=": "<=", "==": "!=", "!=": "==", "is": "is not", "is not": "is"}
 SYMBOL: dict[type, str] = {
@@ -47,7 +47,7 @@ Rule = Callable[[Source, ast.AST], Iterator[Patch]]
 
 
 def operator(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """+ and -, * and /, += and -= swapped."""
+    """Swap + and -, * and /, += and -=."""
     if isinstance(node, ast.BinOp) and type(node.op) in SYMBOL:
         yield source.between(node.left, node.right, SYMBOL[type(node.op)], SWAPPED)
     elif isinstance(node, ast.AugAssign) and isinstance(node.op, ast.Add | ast.Sub):
@@ -55,7 +55,7 @@ def operator(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def index(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """I for i + 1 or i - 1, i + 1 for i, 0 for -1, -1 for 0, one less for another number."""
+    """Shift an index: i to i + 1 and i - 1, i + 1 to i, 0 to -1, -1 to 0, and any other number down by one."""
     if not isinstance(node, ast.Subscript):
         return
     for entry in node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]:
@@ -70,7 +70,7 @@ def index(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def factor(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """A number that multiplies, divides or is a power becomes 1."""
+    """Replace a numerical factor, divisor or exponent by 1."""
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div | ast.Pow):
         for side in (node.left, node.right):
             if isinstance(side, ast.Constant) and side.value not in (0, 1):
@@ -78,7 +78,7 @@ def factor(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def sign(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """A minus lost, or the value of an array's element negated."""
+    """Drop a minus sign, or negate the value that is assigned to an array element."""
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         yield source.replaced(node, source.wrapped(node.operand))
     elif isinstance(node, ast.Assign) and _elements(node) and not isinstance(node.value, ast.Tuple | ast.List | ast.Constant):
@@ -86,10 +86,10 @@ def sign(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def time_step(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """dt, or a share of it, dropped from a product; dt/2 for dt."""
+    """Drop a time step from a product, or halve it."""
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult):
-        for mine, other in ((node.left, node.right), (node.right, node.left)):
-            if _last_name(mine) in TIME_STEPS:
+        for operand, other in ((node.left, node.right), (node.right, node.left)):
+            if _last_name(operand) in TIME_STEPS:
                 yield source.replaced(node, source.wrapped(other))
     operands: list[ast.expr] = []
     if isinstance(node, ast.BinOp):
@@ -102,7 +102,7 @@ def time_step(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def term(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """A term dropped from a sum or a difference."""
+    """Drop a term from a sum or a difference."""
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
         yield source.replaced(node, source.wrapped(node.left))
         yield source.replaced(
@@ -111,20 +111,20 @@ def term(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def assignment(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """An augmented assignment, or one to an array's element, dropped."""
+    """Drop an augmented assignment, or an assignment to an array element."""
     if isinstance(node, ast.AugAssign) or (isinstance(node, ast.Assign) and _elements(node) and not _resets(node)):
         yield source.replaced(node, "pass")
 
 
 def stale_array(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """An array neither reset nor updated: an assignment of a constant or to all of it, or a call for its effect, dropped."""
+    """Leave an array stale: drop an assignment of a constant or of a whole slice, or a call whose result is unused."""
     called = isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
     if called or (isinstance(node, ast.Assign) and _elements(node) and _resets(node)):
         yield source.replaced(node, "pass")
 
 
 def comparison(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """A comparison reversed, by `equal` and `logical_not` in traced code, too."""
+    """Reverse a comparison, including `equal` and `logical_not` in traced code."""
     if isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in SYMBOL:
         yield source.between(node.left, node.comparators[0], SYMBOL[type(node.ops[0])], REVERSED)
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "equal":
@@ -134,7 +134,7 @@ def comparison(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def arguments(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """Two neighbouring arguments of the same type swapped in a call of the solver's own functions and records."""
+    """Swap two adjacent arguments of the same type in a call of a function or record of the family."""
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
         kinds = source.signatures.get(node.func.id, [])
         for (one, kind), (two, other) in pairwise(zip(node.args, kinds, strict=False)):
@@ -143,7 +143,7 @@ def arguments(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def transposed(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """Two neighbouring indices of an array swapped."""
+    """Swap two adjacent indices of an array."""
     if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Tuple):
         for one, two in pairwise(node.slice.elts):
             if not isinstance(one, ast.Slice) and not isinstance(two, ast.Slice):
@@ -151,25 +151,25 @@ def transposed(source: Source, node: ast.AST) -> Iterator[Patch]:
 
 
 def wrong_array(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """The next array of the same type in the same record, as in `stencil.gradient` for `stencil.value`."""
+    """Use the next field of the same type in the same record: `stencil.gradient` for `stencil.value`, say."""
     if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-        for other in source.neighbours(node.value.id, node.attr):
+        for other in source.next_of_same_type(node.value.id, node.attr):
             yield source.replaced(node, f"{node.value.id}.{other}")
 
 
 def boundary(source: Source, node: ast.AST) -> Iterator[Patch]:
-    """Code of the ends of a body dropped, or applied at one end alone: at the first, or in traced code at those after it."""
-    if isinstance(node, ast.If) and not source.is_elif(node) and names(node.test) & END_WORDS:
+    """Drop boundary code, or apply it at the first end only; in traced code, at all ends except the first."""
+    if isinstance(node, ast.If) and not source.is_elif(node) and names(node.test) & BOUNDARY_WORDS:
         yield source.replaced(node, "pass")
     elif isinstance(node, ast.For):
-        tables = _attributes(node.iter) & END_WORDS
-        if names(node.target) & END_WORDS or tables:
+        tables = _attributes(node.iter) & BOUNDARY_WORDS
+        if names(node.target) & BOUNDARY_WORDS or tables:
             yield source.replaced(node, "pass")
-        if source.text(node.iter) == "range(2)" and names(node.target) & END_WORDS:
+        if source.text(node.iter) == "range(2)" and names(node.target) & BOUNDARY_WORDS:
             yield source.replaced(node.iter, "range(1)")
         elif tables and isinstance(node.iter, ast.Call):
             yield source.replaced(node.iter, f"range(min(1, {source.text(node.iter.args[0])}))")
-    elif isinstance(node, ast.With) and _attributes(node.items[0].context_expr) & END_WORDS:
+    elif isinstance(node, ast.With) and _attributes(node.items[0].context_expr) & BOUNDARY_WORDS:
         yield source.replaced(node, "pass")
         if isinstance(loop := node.items[0].context_expr, ast.Call):
             yield source.replaced(loop.args[0], "1")
@@ -193,14 +193,14 @@ RULES: Mapping[str, Rule] = {
 
 
 def _integer(node: ast.AST) -> int | None:
-    """Value of an integer literal, its sign included."""
+    """Return the value of an integer literal with its sign, or None for any other expression."""
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and (number := _integer(node.operand)) is not None:
         return -number
     return node.value if isinstance(node, ast.Constant) and type(node.value) is int else None
 
 
 def _last_name(node: ast.AST) -> str:
-    """A name, or that of an attribute; nothing of another expression."""
+    """Return a name or the name of an attribute; "" for any other expression."""
     return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
 
 
@@ -218,21 +218,21 @@ def _resets(node: ast.Assign) -> bool:
     )
 
 
-def faults(sources: Path, family: str, *, plain: bool = False) -> list[Fault]:
-    """All faults by rule of one family and of its compiler, each once, in the order of the files.
+def faults(sources: Path, family: str, *, one_dimensional: bool = False) -> list[Fault]:
+    """Return all faults by rule of one family and its code generators, without duplicates, in the order of the files.
 
     Parameters
     ----------
     sources : Path
         Folder of the solvers.
     family : str
-    plain : bool
-        Whether no trial has more than one dimension.
+    one_dimensional : bool
+        Whether all trials are one-dimensional.
     """
     found: dict[str, Fault] = {}
     paths = [path for folder in (family, *COMPILERS.get(family, ())) for path in sorted((sources / folder).glob("*.py"))]
     for path in paths:
-        source = Source(path, sources, paths, plain=plain)
+        source = Source(path, sources, paths, one_dimensional=one_dimensional)
         for node in source.numerical():
             for rule, apply in RULES.items():
                 for patch in apply(source, node):
@@ -242,12 +242,12 @@ def faults(sources: Path, family: str, *, plain: bool = False) -> list[Fault]:
     return list(found.values())
 
 
-def sampled(found: Sequence[Fault], each: int) -> list[Fault]:
-    """Draw at most `each` faults of every family and rule, those whose identity has the lowest digest."""
+def sampled(found: Sequence[Fault], count: int) -> list[Fault]:
+    """Draw at most `count` faults of each family and rule: those whose ids have the lowest digests."""
     strata: dict[tuple[str, str], list[Fault]] = {}
     for fault in found:
         strata.setdefault((fault.family, fault.rule), []).append(fault)
-    return [fault for members in strata.values() for fault in sorted(members, key=_rank)[:each]]
+    return [fault for members in strata.values() for fault in sorted(members, key=_rank)[:count]]
 
 
 def _rank(fault: Fault) -> str:

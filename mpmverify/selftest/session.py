@@ -1,4 +1,4 @@
-"""The self-test from the faults to the kill table; what is already known of a fault is not found out again."""
+"""Run the self-test, from the faults to the kill table; stored results are reused."""
 
 import json
 import tempfile
@@ -25,20 +25,20 @@ from mpmverify.selftest.rules import faults, sampled
 from mpmverify.selftest.survivors import EXPLAINED
 from mpmverify.selftest.trials import TRIALS, merged
 from mpmverify.selftest.unmodified import settings, unmodified
-from mpmverify.selftest.verdict import Court, Fortune
+from mpmverify.selftest.verdict import FaultJudge, FaultResult
 from mpmverify.study import Study
 
-EACH = 4
-"""Faults of every rule and family in the full tier."""
-RUNS = {"quick": 4, "full": 50}
-"""Runs of the unmodified solvers."""
+FAULTS_PER_RULE = 4
+"""Faults of each rule and family in the full tier."""
+UNMODIFIED_RUNS = {"quick": 4, "full": 50}
+"""Number of runs of the unmodified solvers."""
 CODE = ("mpmverify.execution.evaluation", "mpmverify.judgement.judging", "mpmverify.selftest.verdict")
-"""Modules that judge a fault."""
-SERIES = {"quick": 13_500, "full": 270_000}
-"""Random series that the judge is asked about."""
+"""Modules that judge a fault: their source text is part of the content keys."""
+RANDOM_SERIES = {"quick": 13_500, "full": 270_000}
+"""Number of random error series whose verdicts are checked."""
 SEED = 11
 COMPILATION = {"NUMBA_OPT": "1"}
-"""Most of the time compiles what runs for a moment: less optimisation takes a quarter off."""
+"""Compilation dominates; NUMBA_OPT=1 saves a quarter of the time."""
 
 Progress = Callable[[str, int, int], None]
 Row = TypeVar("Row", PlantedFault, UnmodifiedRun)
@@ -46,22 +46,22 @@ Row = TypeVar("Row", PlantedFault, UnmodifiedRun)
 
 @dataclass(frozen=True)
 class Session:
-    """Everything that one self-test does.
+    """One self-test.
 
     Parameters
     ----------
     results : Results
     get : callable
-        Gives a study by its name.
+        Returns a study by name.
     sources : Path
         Folder of the solvers.
     baseline : Baseline
     tier : str
-        "quick" plants the named faults, "full" the sample of those by rule beside them.
+        "quick" plants the named faults; "full" also plants a sample of the faults by rule.
     jobs : int
-        Faults at a time.
+        Number of faults judged at the same time.
     timeout : float
-        Limit for one fault on all trials [s of processor time].
+        Limit on the processor time of one fault over all trials [s].
     """
 
     results: Results
@@ -73,57 +73,59 @@ class Session:
     timeout: float = 120.0
 
     def run(self, progress: Progress = lambda *_: None) -> SelfTest:
-        """Run the unmodified solvers, and the faults and random series when those pass.
+        """Run the unmodified solvers and, if they pass, judge the faults and the random series.
 
         Raises
         ------
-        UsageError, ResultsError
-            If a fault or a trial was declared for other sources, or a file cannot be read or written.
+        UsageError
+            If a fault or a trial does not fit the sources.
+        ResultsError
+            If a file cannot be read or written.
         """
         trials = {family: tuple(trial.of(self.get) for trial in declared) for family, declared in TRIALS.items()}
-        found = {family: faults(self.sources, family, plain=_plain(trials[family])) for family in TRIALS}
+        found = {family: faults(self.sources, family, one_dimensional=_one_dimensional(trials[family])) for family in TRIALS}
         planted = list(NAMED)
         if self.tier == "full":
-            planted += [fault for family in TRIALS for fault in sampled(found[family], EACH)]
+            planted += [fault for family in TRIALS for fault in sampled(found[family], FAULTS_PER_RULE)]
         keys = {fault.id: self._key(fault, trials[fault.family]) for fault in planted}
         studies = merged(study for declared in trials.values() for study in declared)
         runs = self._unmodified(studies, progress)
         first, sites = next(runs), sum(map(len, found.values()))
-        if first.verdict != Verdict.PASS:  # no verdict on a fault would mean anything
+        if first.verdict != Verdict.PASS:  # verdicts on faults would mean nothing
             return SelfTest(self.tier, sites, (), (first,))
-        # Half of the unmodified runs leave a processor idle.
-        with ProcessPoolExecutor(1, get_context("spawn")) as beside:
-            rates = self._rates(beside)
+        # The random series use the processors that half of the unmodified runs leave idle.
+        with ProcessPoolExecutor(1, get_context("spawn")) as executor:
+            rates = self._rates(executor)
             unmodified_runs = (first, *runs)
-            answered = rates()
+            known_rates = rates()
         progress("verdicts on random series", 1, 1)
         for _ in run(studies, Plan(self._original, self.baseline, jobs=self.jobs)):
-            pass  # what the faulty solvers are compared with
+            pass  # the results that those of the faulty solvers are compared with
         rows = {fault.id: row for fault, row in self._planted(planted, keys, trials, progress)}
-        return SelfTest(self.tier, sites, tuple(rows[fault.id] for fault in planted), unmodified_runs, answered)
+        return SelfTest(self.tier, sites, tuple(rows[fault.id] for fault in planted), unmodified_runs, known_rates)
 
-    def _rates(self, beside: ProcessPoolExecutor) -> Callable[[], Rates]:
-        """Ask another process how often the judge is right about random series of known truth; what is returned waits for it."""
-        count = SERIES[self.tier]
+    def _rates(self, executor: ProcessPoolExecutor) -> Callable[[], Rates]:
+        """Measure in another process how often the judge is right about random series; the returned function waits for the rates."""
+        count = RANDOM_SERIES[self.tier]
         path = self._path(digest(count, SEED, code=("mpmverify.convergence.synthetic",)))
         try:
             stored = json.loads(path.read_text(encoding="utf-8"))
             known = Rates(**{name: tuple(Rate(**row) for row in rows) for name, rows in stored.items()})
         except (OSError, ValueError, TypeError, AttributeError):
             measures = ((measure, count), (measure_designs, count // 90), (measure_limits, count // 4))
-            asked = [beside.submit(by, number, SEED) for by, number in measures]
+            futures = [executor.submit(by, number, SEED) for by, number in measures]
 
-            def answered() -> Rates:
-                rates = Rates(*(tuple(future.result()) for future in asked))
+            def measured() -> Rates:
+                rates = Rates(*(tuple(future.result()) for future in futures))
                 _store(path, rates)
                 return rates
 
-            return answered
+            return measured
         return lambda: known
 
     def _unmodified(self, studies: list[Study], progress: Progress) -> Iterator[UnmodifiedRun]:
-        """Every setting once."""
-        chosen = settings(RUNS[self.tier])
+        """Run the unmodified solvers once for each setting."""
+        chosen = settings(UNMODIFIED_RUNS[self.tier])
         for done, setting in enumerate(chosen, start=1):
             key = digest(
                 studies, asdict(setting), file_digest(self.baseline.path), code=(*CODE, "mpmverify.selftest.unmodified")
@@ -149,32 +151,32 @@ class Session:
                 yield fault, row
         modules = {type(s.solver).__module__ for studies in trials.values() for study in studies for _, s in study.series()}
         imports = sorted({*CODE, *modules})
-        # What a process that is ended at its limit leaves behind goes with the folder of them all.
+        # This folder holds all temporary files, so that those of a killed process are removed, too.
         with environment(COMPILATION), tempfile.TemporaryDirectory(prefix="mpmverify-") as scratch:
-            courts = {
-                family: Court(self.sources, studies, self.baseline, self._original.path, Path(scratch))
+            judges = {
+                family: FaultJudge(self.sources, studies, self.baseline, self._original.path, Path(scratch))
                 for family, studies in trials.items()
             }
-            tasks = [(courts[fault.family], fault) for fault in waiting]
-            for (_, fault), fortune in each_alone(_judge, tasks, self.jobs, self.timeout, _failed, imports):
-                row = self._row(fault, fortune)
-                if fortune.fate is not Fate.UNDECIDED:  # a busy machine is no verdict on a fault: it is tried again
+            tasks = [(judges[fault.family], fault) for fault in waiting]
+            for (_, fault), result in each_alone(_judge, tasks, self.jobs, self.timeout, _failed, imports):
+                row = self._row(fault, result)
+                if result.fate is not Fate.UNDECIDED:  # the machine was too busy: the next self-test tries again
                     _store(self._path(keys[fault.id]), row)
                 done += 1
                 progress("planted faults", done, len(planted))
                 yield fault, row
 
     def _key(self, fault: Fault, trials: tuple[Study, ...]) -> str:
-        """Content key: the patch, the trials and the original that they run, the baseline and the code that judges."""
+        """Return the content key: the patch, the trials with their unmodified solvers, the baseline and the judging code."""
         patch = sorted(fault.planted(self.sources).items())
         return digest(
             fault.id, fault.name, patch, trials, file_digest(self.baseline.path), EXPLAINED.get(fault.id, ""), code=CODE
         )
 
-    def _row(self, fault: Fault, fortune: Fortune) -> PlantedFault:
-        at, finding = passage(fault, self.sources), fortune.finding
+    def _row(self, fault: Fault, result: FaultResult) -> PlantedFault:
+        at, finding = passage(fault, self.sources), result.finding
         names = ("study", "case", "solver", "gate", "verdict", "criterion", "reason")
-        said = {name: str(getattr(finding, name)) for name in names} if finding else {"reason": fortune.reason}
+        judgement = {name: str(getattr(finding, name)) for name in names} if finding else {"reason": result.reason}
         return PlantedFault(
             id=fault.id,
             family=fault.family,
@@ -184,12 +186,12 @@ class Session:
             line=at.line,
             before=at.before,
             after=at.after,
-            fate=fortune.fate,
-            deviation=fortune.deviation,
-            trials=fortune.trials,
-            seconds=fortune.seconds,
+            fate=result.fate,
+            deviation=result.deviation,
+            trials=result.trials,
+            seconds=result.seconds,
             explanation=EXPLAINED.get(fault.id, ""),
-            **said,
+            **judgement,
         )
 
     @property
@@ -200,18 +202,18 @@ class Session:
         return self.results.selftest.parent / "known" / f"{key}.json"
 
 
-def _plain(trials: Sequence[Study]) -> bool:
-    """Whether no trial has more than one dimension."""
+def _one_dimensional(trials: Sequence[Study]) -> bool:
+    """Whether all trials are one-dimensional."""
     return all(case.problem.problem.dimension == 1 for study in trials for case, _ in study.series())
 
 
-def _judge(task: tuple[Court, Fault]) -> Fortune:
-    court, fault = task
-    return court.judge(fault)
+def _judge(task: tuple[FaultJudge, Fault]) -> FaultResult:
+    judge, fault = task
+    return judge.judge(fault)
 
 
-def _failed(reason: str, *, undecided: bool) -> Fortune:
-    return Fortune(Fate.UNDECIDED if undecided else Fate.BROKEN, reason=reason)
+def _failed(reason: str, *, undecided: bool) -> FaultResult:
+    return FaultResult(Fate.UNDECIDED if undecided else Fate.BROKEN, reason=reason)
 
 
 def _store(path: Path, row: PlantedFault | UnmodifiedRun | Rates) -> None:
@@ -219,7 +221,7 @@ def _store(path: Path, row: PlantedFault | UnmodifiedRun | Rates) -> None:
 
 
 def _stored(path: Path, kind: type[Row]) -> Row | None:
-    """Row that is known; None when there is none, or none that can be read."""
+    """Return the stored row, or None if there is none that can be read."""
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
         return kind(**(stored | ({"fate": Fate(stored["fate"])} if "fate" in stored else {})))

@@ -1,9 +1,9 @@
-"""Survivors that are understood: why no trial kills them, and what would."""
+"""Explanations of known survivors: why no trial detects the fault, and what would."""
 
 from collections.abc import Mapping
 
 EXPLAINED: Mapping[str, str] = {
-    "mpm/operator/3e8eb2d9": "its histories lack the last step but one, and every entry that they have is right: which steps a solver "
-    "records is its own choice",
+    "mpm/operator/3e8eb2d9": "its histories omit the second-to-last step, and every recorded entry is right: a solver may choose which "
+    "steps it records",
 }
-"""Explanation by the identity of the fault."""
+"""Explanation by fault id."""

@@ -1,4 +1,4 @@
-"""Trials: series of the quick studies that a faulty solver is put to, the likeliest to convict it first."""
+"""Trials: series of the quick studies that a faulty solver runs, ordered by how likely they are to detect a fault."""
 
 import dataclasses
 from collections.abc import Callable, Iterable
@@ -10,7 +10,7 @@ from mpmverify.study import Study
 
 @dataclass(frozen=True)
 class Trial:
-    """All series of one solver, by its name, in one case of a study."""
+    """All series of one solver, given by name, in one case of a study."""
 
     study: str
     case: str
@@ -22,7 +22,7 @@ class Trial:
         Parameters
         ----------
         get : callable
-            Gives a study by its name.
+            Returns a study by name.
 
         Raises
         ------
@@ -38,7 +38,7 @@ class Trial:
 
 
 def merged(studies: Iterable[Study]) -> list[Study]:
-    """Return one study for each name, with all the series of the studies of that name."""
+    """Merge studies of the same name into one study with all their series."""
     table: dict[str, Study] = {}
     for study in studies:
         known = table.setdefault(study.name, study)
@@ -113,4 +113,4 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(DISPERSION, "beyond-the-limit", "fem-p1-consistent-cd"),
     ),
 }
-"""Trials by family."""
+"""Trials of each family."""

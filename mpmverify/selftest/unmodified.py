@@ -1,4 +1,4 @@
-"""Runs of the unmodified solvers, which must pass whatever the processes, the threads and the seed of the particles."""
+"""Runs of the unmodified solvers, which must pass for any number of processes and threads and any particle seed."""
 
 import dataclasses
 import tempfile
@@ -19,13 +19,16 @@ from mpmverify.selftest.verdict import counts
 from mpmverify.study import Series, Study
 
 JITTER = 1e-5
-"""Random places spoil the quadrature by a share that does not fall with h: from 1e-4 on it shows in the third digit of published errors."""
+"""Random displacement of the particles, as a fraction of their spacing.
+
+It adds a quadrature error that does not fall with h: at 1e-4 and above, published errors change in their third digit.
+"""
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 
 @dataclass(frozen=True)
 class Setting:
-    """Worker processes, threads of each, and the jitter and seed of the particles."""
+    """Number of worker processes, threads of each process, and jitter and random seed of the particle positions."""
 
     jobs: int
     threads: int
@@ -34,30 +37,30 @@ class Setting:
 
 
 def settings(count: int) -> list[Setting]:
-    """Settings that differ from one another; every other one has all particles at their places, for the regression gate."""
+    """Return distinct settings; every other one has no jitter, so that the regression gate applies."""
     return [Setting(1 + k % 3, (1, 2, 4)[k // 3 % 3], JITTER if k % 2 else 0.0, k if k % 2 else 0) for k in range(count)]
 
 
 def unmodified(studies: Sequence[Study], setting: Setting, baseline: Baseline) -> UnmodifiedRun:
-    """Run and judge the trials once, in a folder of their own."""
+    """Run and judge the trials once, in a temporary folder."""
     began = time.perf_counter()
     if setting.jitter:
         studies = [jittered(study, setting) for study in studies]
     with tempfile.TemporaryDirectory(prefix="mpmverify-") as folder, environment(dict.fromkeys(THREADS, str(setting.threads))):
         plan = Plan(Results(Path(folder)), baseline, jobs=setting.jobs)
         findings = [finding for judged in run(studies, plan) for finding in judged.findings if counts(finding)]
-    bad = ranked(findings)
+    not_passed = ranked(findings)
     return UnmodifiedRun(
         **dataclasses.asdict(setting),
         verdict=worst(finding.verdict for finding in findings).value,
         judged=len(findings),
-        reason=str(bad[0]) if bad else "",
+        reason=str(not_passed[0]) if not_passed else "",
         seconds=time.perf_counter() - began,
     )
 
 
 def jittered(study: Study, setting: Setting) -> Study:
-    """Move the particles of every series, save where a dispersion relation, which is that of equal cells, is to hold to round-off."""
+    """Add jitter to every series, except those judged by a dispersion relation, which holds for regular particles only."""
 
     def moved(series: Series) -> Series:
         if any(isinstance(criterion, Dispersion) for criterion in series.criteria):

@@ -1,4 +1,4 @@
-"""What became of a planted fault: the trials that it was put to, and how they ended."""
+"""Judge planted faults: run the trials with a faulty solver and determine the fate of the fault."""
 
 import ast
 import dataclasses
@@ -25,29 +25,29 @@ from mpmverify.solution import Solution, Status
 from mpmverify.study import Study
 
 ROUND_OFF = 1e-11
-"""Results that differ by no more, relative to their size, are the same."""
+"""Results whose relative difference is at most this count as the same."""
 
 CONTRACT = "contract of a solution"
-"""What kills a fault that counts as crashed and raises nothing: it returned what no solver may."""
+"""Criterion reported for a fault that raises no exception but returns an invalid solution: such a run counts as crashed."""
 
 
 @dataclass(frozen=True)
-class Fortune:
-    """What became of one fault.
+class FaultResult:
+    """Result of judging one fault.
 
     Parameters
     ----------
     fate : Fate
     finding : Finding or None
-        What killed it; the worst that was said of a survivor.
+        The finding that killed the fault, or the first finding on a survivor that is not a PASS.
     reason : str
-        Why it does not run.
+        Why the faulty solver does not run.
     deviation : float
-        Largest relative deviation of its results from the original's on the trials that it lived to see.
+        Largest relative deviation of its results from the unmodified solver's, over the trials that did not kill it.
     trials : int
-        How many those were.
+        Number of trials that were run.
     seconds : float
-        Compilation included.
+        Wall time, including compilation [s].
     """
 
     fate: Fate
@@ -59,21 +59,21 @@ class Fortune:
 
 
 @dataclass(frozen=True)
-class Court:
-    """Everything that a fault is judged by.
+class FaultJudge:
+    """Judges the faults of one solver family.
 
     Parameters
     ----------
     sources : Path
         Folder of the solvers.
     trials : tuple of Study
-        Each with one solver in one case.
+        Each has one solver in one case.
     baseline : Baseline
-        Of the regression gate.
+        Baseline of the regression gate.
     original : Path
-        Results folder with the runs of the original solvers.
+        Results folder with the runs of the unmodified solvers.
     scratch : Path
-        Where temporary folders go.
+        Parent folder of the temporary folders.
     """
 
     sources: Path
@@ -82,17 +82,17 @@ class Court:
     original: Path
     scratch: Path
 
-    def judge(self, fault: Fault) -> Fortune:
-        """Put a fault to the trials until one of them kills it."""
+    def judge(self, fault: Fault) -> FaultResult:
+        """Run the trials with the fault until one of them kills it."""
         began = time.perf_counter()
         with tempfile.TemporaryDirectory(dir=self.scratch) as folder:
-            fortune = self._tried(fault, Path(folder))
-            if fortune.fate is Fate.EQUIVALENT and not self._exercised(fault, Path(folder)):
-                fortune = dataclasses.replace(fortune, fate=Fate.NOT_EXERCISED)
-        return dataclasses.replace(fortune, seconds=time.perf_counter() - began)
+            result = self._run_trials(fault, Path(folder))
+            if result.fate is Fate.EQUIVALENT and not self._exercised(fault, Path(folder)):
+                result = dataclasses.replace(result, fate=Fate.NOT_EXERCISED)
+        return dataclasses.replace(result, seconds=time.perf_counter() - began)
 
-    def _tried(self, fault: Fault, folder: Path) -> Fortune:
-        worst: Finding | None = None
+    def _run_trials(self, fault: Fault, folder: Path) -> FaultResult:
+        doubtful: Finding | None = None
         regression: Finding | None = None
         deviation = 0.0
         with planted(fault, self.sources, folder) as package:
@@ -100,63 +100,65 @@ class Court:
                 results = Results(folder / f"trial-{k}")
                 try:
                     faulty = replanted(trial, package)
-                except Exception as error:  # what a fault does when it is imported is its own affair
-                    return Fortune(Fate.BROKEN, reason=f"{type(error).__name__}: {error}", trials=k)
+                except Exception as error:  # a faulty module may raise anything when imported
+                    return FaultResult(Fate.BROKEN, reason=f"{type(error).__name__}: {error}", trials=k)
                 try:
                     findings = self._findings(faulty, results)
                 except UsageError as error:
-                    return Fortune(Fate.BROKEN, reason=f"it refuses the problem: {error}", deviation=deviation, trials=k)
+                    return FaultResult(
+                        Fate.BROKEN, reason=f"the solver refuses the problem: {error}", deviation=deviation, trials=k
+                    )
                 if killer := _killer(findings, "verification"):
                     fate = Fate.KILLED
                     if f": {Status.CRASHED}" in killer.reason and _raises(faulty):
                         fate = Fate.BROKEN
                     elif f": {Status.CRASHED}" in killer.reason:
                         killer = dataclasses.replace(killer, criterion=CONTRACT)
-                    return Fortune(fate, killer, deviation=deviation, trials=k)
+                    return FaultResult(fate, killer, deviation=deviation, trials=k)
                 regression = regression or _killer(findings, "regression")
-                worst = worst or next((f for f in findings if f.verdict is not Verdict.PASS), None)
+                doubtful = doubtful or next((f for f in findings if f.verdict is not Verdict.PASS), None)
                 deviation = max(deviation, *self._deviations(trial, faulty, results))
         if regression:
-            return Fortune(Fate.REGRESSION, regression, deviation=deviation, trials=len(self.trials))
+            return FaultResult(Fate.REGRESSION, regression, deviation=deviation, trials=len(self.trials))
         fate = Fate.EQUIVALENT if deviation <= ROUND_OFF else Fate.SURVIVED
-        return Fortune(fate, worst, deviation=deviation, trials=len(self.trials))
+        return FaultResult(fate, doubtful, deviation=deviation, trials=len(self.trials))
 
     def _findings(self, study: Study, results: Results) -> list[Finding]:
         (judged,) = run([study], Plan(results, self.baseline, jobs=0))
         return [finding for finding in judged.findings if counts(finding)]
 
     def _deviations(self, trial: Study, faulty: Study, results: Results) -> Iterator[float]:
-        """Deviation of each run of a trial from the original's."""
+        """Yield the deviation of each run of a trial from the same run of the unmodified solver."""
         original = Results(self.original)
-        for one, two in zip(
+        for reference, task in zip(
             tasks_of(trial, Plan(original, self.baseline)), tasks_of(faulty, Plan(results, self.baseline)), strict=True
         ):
-            yield deviation(read_run(results.run(two.key), two.key), read_run(original.run(one.key), one.key))
+            yield deviation(read_run(results.run(task.key), task.key), read_run(original.run(reference.key), reference.key))
 
     def _exercised(self, fault: Fault, folder: Path) -> bool:
-        """Whether a trial comes to the passage: with an exception in its place, or what spoils results, one of them differs."""
-        tripped = dataclasses.replace(fault, edits=(_trip(fault.edits[0], self.sources),))
-        return self._tried(tripped, folder).fate is not Fate.EQUIVALENT
+        """Whether a trial reaches the edited passage: with a tripwire there, which raises or spoils arrays, some result differs."""
+        tripped = dataclasses.replace(fault, edits=(_tripwire(fault.edits[0], self.sources),))
+        return self._run_trials(tripped, folder).fate is not Fate.EQUIVALENT
 
 
 def _raises(trial: Study) -> bool:
-    """Whether a solver raises on a trial: one that does not, and counts as crashed, has returned what no solver may."""
+    """Whether a solver raises on a trial; a run that counts as crashed without an exception returned an invalid solution."""
     for case, series in trial.series():
         for level in series.refinement.tier("quick"):
             try:
                 series.solver.solve(case.problem.problem, level)
-            except Exception:  # what a fault raises is its own affair
+            except Exception:  # a faulty solver may raise anything
                 return True
     return False
 
 
-TRACED = {"traced", "_pass", "contextmanager"}
-"""Decorators of functions that Python runs when code is compiled, and not when that runs."""
-TRIP = "__import__('mpmverify.selftest.trip', fromlist=['trip']).trip(locals())"
+TRACING_DECORATORS = {"traced", "_pass", "contextmanager"}
+"""Decorators of functions that Python calls while code is being compiled, not while the compiled code runs."""
+SPOIL = "__import__('mpmverify.selftest.tripwire', fromlist=['spoil_arrays']).spoil_arrays(locals())"
 
 
-def _trip(edit: Edit, sources: Path) -> Edit:
-    """Exception in front of the statement that an edit changes, or in a function that writes compiled code a `trip` in it."""
+def _tripwire(edit: Edit, sources: Path) -> Edit:
+    """Insert a tripwire before the statement that an edit changes: an exception, or `spoil_arrays` in a traced function."""
     text = (sources / edit.file).read_text(encoding="utf-8")
     lines = text.splitlines(keepends=True)
     line = text.count("\n", 0, edit.begin(text)) + 1
@@ -166,21 +168,21 @@ def _trip(edit: Edit, sources: Path) -> Edit:
         if isinstance(node, ast.stmt) and node.lineno <= line <= (node.end_lineno or 0)
     ]
     decorators = [one for node in around if isinstance(node, ast.FunctionDef) for one in node.decorator_list]
-    writes = any(names(one) & TRACED for one in decorators)
+    traced = any(names(one) & TRACING_DECORATORS for one in decorators)
     around = [node for node in around if not lines[node.lineno - 1].lstrip().startswith("elif")]
     first = max(around, key=lambda node: (node.lineno, node.col_offset)).lineno - 1
     indent = lines[first][: len(lines[first]) - len(lines[first].lstrip())]
-    trip = TRIP if writes else "raise ArithmeticError"
-    return Edit(edit.file, text, "".join([*lines[:first], f"{indent}{trip}\n", *lines[first:]]))
+    tripwire = SPOIL if traced else "raise ArithmeticError"
+    return Edit(edit.file, text, "".join([*lines[:first], f"{indent}{tripwire}\n", *lines[first:]]))
 
 
 def counts(finding: Finding) -> bool:
-    """Whether a finding says anything: the regression gate does not where the baseline has nothing to compare with."""
+    """Whether a finding counts; an inconclusive regression finding does not, because the baseline has no entry for it."""
     return finding.gate == "verification" or finding.verdict is not Verdict.INCONCLUSIVE
 
 
 def _killer(findings: Sequence[Finding], gate: str) -> Finding | None:
-    """First FAIL of a gate, or else its first ERROR."""
+    """Return the first FAIL of a gate, or its first ERROR if there is no FAIL."""
     for verdict in (Verdict.FAIL, Verdict.ERROR):
         for finding in findings:
             if finding.gate == gate and finding.verdict is verdict:
@@ -188,29 +190,31 @@ def _killer(findings: Sequence[Finding], gate: str) -> Finding | None:
     return None
 
 
-def deviation(mine: Solution, theirs: Solution) -> float:
-    """Largest deviation of any array of a solution, relative to its size; infinite where shapes or outcomes differ.
+def deviation(faulty: Solution, original: Solution) -> float:
+    """Return the largest relative deviation of any array of a solution; infinite if shapes, outcomes or time steps differ.
 
-    Two runs that are unstable alike, at whatever step, do not differ: what they return is no result.
-    Momentum and impulse are compared with the size of the particles' momenta, which cancel in their sum; the energies and the
-    work with the largest of them.
+    Notes
+    -----
+    Each array is scaled by its largest magnitude, with two exceptions. The momenta of the particles may cancel in their sum, so
+    momentum and impulse are scaled by at least sqrt(2 m E), where m is the largest mass and E the largest energy. Energies and
+    external work are scaled by E. Two runs that both became unstable, at any step, have deviation 0: neither has a result.
     """
-    if (mine.outcome.status, mine.dt) != (theirs.outcome.status, theirs.dt):
+    if (faulty.outcome.status, faulty.dt) != (original.outcome.status, original.dt):
         return float("inf")
-    if not mine.outcome.completed:
+    if not faulty.outcome.completed:
         return 0.0
-    one, two = mine.arrays(), theirs.arrays()
-    if {name: values.shape for name, values in one.items()} != {name: values.shape for name, values in two.items()}:
+    arrays, references = faulty.arrays(), original.arrays()
+    if {name: values.shape for name, values in arrays.items()} != {name: values.shape for name, values in references.items()}:
         return float("inf")
-    sizes = {name: float(np.max(np.abs(values), initial=0.0)) for name, values in two.items()}
+    sizes = {name: float(np.max(np.abs(values), initial=0.0)) for name, values in references.items()}
     energies = ("kinetic_energy", "strain_energy", "external_work")
     energy = max((sizes.get(f"history of {name}", 0.0) for name in energies), default=0.0)
     scales = {f"history of {name}": energy for name in energies}
     momentum = np.sqrt(2 * energy * sizes.get("history of mass", 0.0))
     scales |= {f"history of {name}": max(momentum, sizes.get(f"history of {name}", 0.0)) for name in ("momentum", "impulse")}
     worst = 0.0
-    for name, values in one.items():
-        difference = float(np.max(np.abs(values - two[name]), initial=0.0))
+    for name, values in arrays.items():
+        difference = float(np.max(np.abs(values - references[name]), initial=0.0))
         scale = scales.get(name, sizes[name])
         if difference != 0:
             worst = max(worst, difference / scale if scale > 0 and np.isfinite(difference) else float("inf"))

@@ -1,6 +1,6 @@
 "use strict";
 
-// Charts are drawn when they come into view; their data lie in the page, so that no network and no server is needed.
+// Charts are drawn when they scroll into view. Their data are part of the page: neither a network nor a server is needed.
 
 const CONFIG = { displaylogo: false, responsive: true, displayModeBar: false };
 let library = null;
@@ -10,13 +10,13 @@ function plotly() {
     const script = document.createElement("script");
     script.src = "assets/plotly.min.js";
     script.onload = () => resolve(window.Plotly);
-    script.onerror = () => reject(new Error("assets/plotly.min.js is missing: render the report anew"));
+    script.onerror = () => reject(new Error("assets/plotly.min.js is missing: run `mpmverify report` again"));
     document.head.append(script);
   });
   return library;
 }
 
-/** Copy of a figure with every "var(--name)" replaced by what the style sheet says now. */
+/** Returns a copy of a figure with every "var(--name)" replaced by its current value in the style sheet. */
 function themed(value) {
   const sheet = getComputedStyle(document.documentElement);
   const walk = (part) => {
@@ -30,7 +30,7 @@ function themed(value) {
   return walk(value);
 }
 
-/** Rows of numbers from 16-bit steps in base64; null where the value was not finite. */
+/** Decodes rows of numbers from 16-bit integers in base64; null stands for a non-finite value. */
 function unpacked(field, columns) {
   const bytes = Uint8Array.from(atob(field.data), (letter) => letter.charCodeAt(0));
   const view = new DataView(bytes.buffer);
@@ -95,7 +95,7 @@ class Case {
     return `${this.role("quantity").value}|${this.role("norm").value}`;
   }
 
-  /** The legend tells the orders in the chosen measure, and which series lack it. */
+  /** Writes the orders in the chosen measure into the legend, and dims the series that do not have this measure. */
   relabel() {
     const orders = new Map();
     for (const { meta } of this.figures.convergence.data) if (meta.measure === this.measure) orders.set(meta.series, meta.order);
@@ -129,7 +129,7 @@ class Case {
     const { data, layout, titles } = this.figures.convergence;
     const chosen = this.chosen();
     const mine = data.filter((trace) => trace.meta.measure === this.measure);
-    const shown = mine.filter(({ meta }) => (meta.of ? meta.of.some((k) => chosen.has(k)) : chosen.has(meta.series)));
+    const shown = mine.filter(({ meta }) => (meta.members ? meta.members.some((k) => chosen.has(k)) : chosen.has(meta.series)));
     return { data: shown, layout: { ...layout, yaxis: { ...layout.yaxis, title: { text: titles[this.measure], standoff: 8 } } } };
   }
 
@@ -172,7 +172,7 @@ class Case {
     return box;
   }
 
-  /** Fields of the chosen series and quantity, unpacked once; null when there are none. */
+  /** Returns the fields of the chosen series and quantity, decoded once; null if there are none. */
   field() {
     const quantity = this.role("wave-quantity").value;
     const { waves } = this.figures.series[this.series];
@@ -207,7 +207,7 @@ class Case {
     return { data, layout: { ...figure.layout, yaxis, yaxis2 } };
   }
 
-  /** Range over all times, so that an axis stands still while the wave moves. */
+  /** Returns the range over all times, so that the axis stays fixed while the wave moves. */
   range(field, name) {
     const values = field[name].flat().filter((value) => value !== null);
     if (!values.length) return undefined;
@@ -312,7 +312,7 @@ function watch(element, action) {
   observer.observe(element);
 }
 
-/** A folded list opens when a link leads into it. */
+/** Opens a folded list when the address points into it. */
 function unfold() {
   const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
   const folded = target && target.closest("details");

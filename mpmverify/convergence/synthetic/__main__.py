@@ -1,4 +1,4 @@
-"""`python -m mpmverify.convergence.synthetic`: how far the judge can be trusted."""
+"""`python -m mpmverify.convergence.synthetic`: measure how often verdicts are right."""
 
 import click
 from rich.console import Console
@@ -12,7 +12,7 @@ COLUMNS = ("right", "inconclusive", "wrong_pass", "wrong_fail")
 
 
 def table(title: str, rates: list[Rate]) -> Table:
-    """Return the rates as a table, in percent of the series of each kind."""
+    """Return a table of the rates, in percent of the series of each kind."""
     shown = Table("kind", "truth", "series", *(name.replace("_", " ") for name in COLUMNS), title=title)
     for row in (row for row in rates if row.series):
         shown.add_row(
@@ -22,15 +22,15 @@ def table(title: str, rates: list[Rate]) -> Table:
 
 
 @click.command()
-@click.option("--count", type=click.IntRange(min=1), default=20_000, show_default=True, help="Series in all.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the random numbers.")
+@click.option("--count", type=click.IntRange(min=1), default=20_000, show_default=True, help="Number of series.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the random numbers.")
 def main(count: int, seed: int) -> None:
-    """Judge random error series of known truth, and print how often the verdict is right."""
+    """Judge random error series of known truth and print how often the verdict is right."""
     rates = measure(count, seed)
     console = Console(width=110)
     console.print(table("Verdicts on series of known truth", [*rates, *(total(rates, truth) for truth in Truth), total(rates)]))
-    console.print(table("Sources of error told apart, on designs of known truth", measure_designs(max(1, count // 90), seed)))
-    console.print(table("At the limits of what can be seen", measure_limits(max(1, count // 4), seed)))
+    console.print(table("Separation of error sources on designs of known truth", measure_designs(max(1, count // 90), seed)))
+    console.print(table("Series that are hard to decide", measure_limits(max(1, count // 4), seed)))
 
 
 if __name__ == "__main__":

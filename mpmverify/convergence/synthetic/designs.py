@@ -1,4 +1,4 @@
-"""Random designs of known sources of error, and how often their separation is judged rightly."""
+"""Random designs with known sources of error, and the rates of right and wrong verdicts on their separation."""
 
 from collections import Counter
 from itertools import product
@@ -8,20 +8,31 @@ import numpy as np
 from mpmverify.convergence.levels import Array
 from mpmverify.convergence.sources import judge_sources, separate
 from mpmverify.convergence.synthetic.kinds import Truth
-from mpmverify.convergence.synthetic.rates import Rate, counted
+from mpmverify.convergence.synthetic.rates import Rate, rate_of_verdicts
 from mpmverify.convergence.verdict import Verdict
 
 EXPONENTS = (1.0, 1.5, 2.0, 3.0, 4.0)
 NOISE = (0.0, 0.0, 0.002, 0.01, 0.02)
+"""Standard deviations of log E."""
 SHIFTS = (0.0, 0.0, 0.3, -0.3, 1.0, -1.0)
-"""Distance of the truth from the nearest edge of one band; at zero every band is around its truth."""
+"""Distance between the true exponent and the nearest edge of one band; at zero every band is centred on the true exponent."""
 
 
 def random_design(generator: np.random.Generator) -> tuple[dict[str, float], dict[str, Array], Array]:
-    """Exponent of each source, NaN where it is missing; its sizes (n,); and the errors (n,) of the runs of a design.
+    """Draw a design of n runs with known sources of error.
 
-    Two or three sources, or one beside what stays; of equal weight somewhere near the middle of the design or up to thirty times
-    apart; fields that add, stand at random angles, or add and cancel; up to 2 % of scatter; one source in seven is missing.
+    The design has two or three sources, or one source and a constant. Near the middle of the design, each source is weighted by a
+    random factor between 10^-1.5 and 10^1.5. The error fields add, lie at random angles, or partly cancel. The scatter is up to
+    2 %. In one design of seven, one source is missing.
+
+    Returns
+    -------
+    exponent : dict of str to float
+        Exponent of each source by its size; NaN for the missing one.
+    sizes : dict of str to Array
+        Sizes of the runs (n,).
+    error : Array
+        Relative errors (n,).
     """
     kind = generator.choice(["h dt", "dt", "h dt 1/ppc"], p=[0.7, 0.2, 0.1])
     counts = {"h dt": (*generator.integers(3, 6, 2), 1), "dt": (1, generator.integers(6, 9), 1), "h dt 1/ppc": (3, 3, 3)}[kind]
@@ -46,12 +57,14 @@ def random_design(generator: np.random.Generator) -> tuple[dict[str, float], dic
 
 
 def measure_designs(count: int = 300, seed: int = 0) -> list[Rate]:
-    """Judge the exponents of random designs by bands that hold the truth, or one of which is off by 0.3 or 1 beyond its edge.
+    """Judge the exponents of random designs by bands around the true exponents.
+
+    In some designs, the true exponent of one source lies 0.3 or 1 outside its band, or the source is missing; both count as outside.
 
     Parameters
     ----------
     count : int
-        Of designs.
+        Number of designs.
     seed : int
         The same seed gives the same designs.
     """
@@ -69,6 +82,6 @@ def measure_designs(count: int = 300, seed: int = 0) -> list[Rate]:
         verdict, _ = judge_sources(separate(sizes, error), bands)
         found[Truth.INSIDE if inside else Truth.OUTSIDE, verdict] += 1
     return [
-        counted("design", truth, {verdict: number for (held, verdict), number in found.items() if held is truth})
+        rate_of_verdicts("design", truth, {verdict: number for (held, verdict), number in found.items() if held is truth})
         for truth in (Truth.INSIDE, Truth.OUTSIDE)
     ]

@@ -1,19 +1,18 @@
-"""Kinds of error series, each with what is true of it.
+"""Kinds of random error series, each with a known truth.
 
-A series is drawn for a band of orders, that of no particular scheme: centred at 1/2, 1, 3/2, 2, 3 or 4, and 0.1 to 0.4 to either
-side. Its ladder has three to eight levels, halved or at ratios from 1.3 to 3, in any order; the error of the second finest lies
-between 1e-9 and 1 of the solution, and every error has a log-normal scatter, whose size belongs to the kind.
+A series is drawn together with a band of orders, centred at 1/2, 1, 3/2, 2, 3 or 4, with a half-width of 0.1 to 0.4. Its three to
+eight levels are halved or have ratios from 1.3 to 3, and are shuffled. The relative error of the second finest level lies between
+1e-9 and 1. Every error has a log-normal scatter, whose size depends on the kind.
 
-What is true is said of the law without its scatter:
+The truth refers to the law without scatter:
 
 inside
-    The order as h goes to zero lies in the inner half of the band. Whatever else the law holds vanishes with h, alternates from
-    level to level, or is a rough start, round-off or the error of a reference of known uncertainty, which other levels show for
-    what it is.
+    The order as h goes to zero lies in the inner half of the band. Other parts of the error vanish with h or alternate from level to
+    level, or they are a rough start, round-off, or the error of a reference of known uncertainty. The other levels reveal them.
 outside
-    The order as h goes to zero and the one at the finest level both lie at least `laws.MARGIN` outside the band, on one side.
+    The order as h goes to zero and the order at the finest level lie at least `laws.MARGIN` outside the band, on the same side.
 undecidable
-    No more than two levels tell anything, or the finest one belies what the others say.
+    At most two levels carry information, or the finest level contradicts the others.
 not finite
     A level is NaN or infinite.
 """
@@ -27,11 +26,11 @@ import numpy as np
 
 from mpmverify.convergence.levels import Array
 from mpmverify.convergence.synthetic import laws
-from mpmverify.convergence.synthetic.laws import Law, Setting
+from mpmverify.convergence.synthetic.laws import Law, LawInputs
 
 
 class Truth(StrEnum):
-    """What is true of a series; see the module."""
+    """Truth about a series, as defined in the docstring of this module."""
 
     INSIDE = "inside"
     OUTSIDE = "outside"
@@ -41,7 +40,7 @@ class Truth(StrEnum):
 
 @dataclass(frozen=True)
 class Kind:
-    """How series are drawn, and what is true of them.
+    """How series of one kind are drawn, and the truth about them.
 
     Parameters
     ----------
@@ -50,18 +49,18 @@ class Kind:
         Error without scatter (n,).
     scatter : (float, float)
         Range of the standard deviation of log E.
-    spoiled : callable
-        What becomes of the errors, and how many levels are left.
+    altered : callable
+        Changes the errors (n,) after the scatter was applied; may return fewer levels.
     unequal : bool or None
-        Whether the ratios of the sizes differ; None leaves it to chance.
+        Whether the refinement ratios differ; None for a random choice.
     uncertainty : float
-        Of the reference that stands for the exact solution.
+        Uncertainty of the numerical reference, relative to the solution; 0 for an exact solution.
     """
 
     truth: Truth
     law: Law
     scatter: tuple[float, float] = (0.0, 0.02)
-    spoiled: Callable[[Setting, Array], Array] = laws.as_drawn
+    altered: Callable[[LawInputs, Array], Array] = laws.unaltered
     unequal: bool | None = None
     uncertainty: float = 0.0
 
@@ -74,11 +73,11 @@ KINDS: Mapping[str, Kind] = {
     "approached from below": Kind(Truth.INSIDE, partial(laws.approached, sign=-1)),
     "rough start": Kind(Truth.INSIDE, laws.rough_start),
     "mixed orders": Kind(Truth.INSIDE, laws.mixed),
-    "alternating": Kind(Truth.INSIDE, partial(laws.alternating, order=Setting.inside)),
-    "round-off after three levels": Kind(Truth.INSIDE, laws.power_law, spoiled=partial(laws.at_round_off, least=3)),
-    "numerical reference": Kind(Truth.INSIDE, laws.power_law, spoiled=laws.against_reference, uncertainty=laws.UNCERTAINTY),
-    "order too low": Kind(Truth.OUTSIDE, partial(laws.other_order, side=Setting.below), (0.0, 0.1)),
-    "order too high": Kind(Truth.OUTSIDE, partial(laws.other_order, side=Setting.above), (0.0, 0.1)),
+    "alternating": Kind(Truth.INSIDE, partial(laws.alternating, order=LawInputs.inside)),
+    "round-off after three levels": Kind(Truth.INSIDE, laws.power_law, altered=partial(laws.at_round_off, least=3)),
+    "numerical reference": Kind(Truth.INSIDE, laws.power_law, altered=laws.against_reference, uncertainty=laws.UNCERTAINTY),
+    "order too low": Kind(Truth.OUTSIDE, partial(laws.other_order, side=LawInputs.below), (0.0, 0.1)),
+    "order too high": Kind(Truth.OUTSIDE, partial(laws.other_order, side=LawInputs.above), (0.0, 0.1)),
     "slower in the end": Kind(Truth.OUTSIDE, laws.slower_in_the_end),
     "other floor": Kind(Truth.OUTSIDE, laws.floor),
     "stagnant": Kind(Truth.OUTSIDE, laws.stagnant, (0.0, 0.2)),
@@ -86,20 +85,28 @@ KINDS: Mapping[str, Kind] = {
     "divergent": Kind(Truth.OUTSIDE, laws.divergent, (0.0, 0.1)),
     "turns up": Kind(Truth.OUTSIDE, laws.turns_up),
     "blows up": Kind(Truth.OUTSIDE, laws.blows_up),
-    "alternating, too low": Kind(Truth.OUTSIDE, partial(laws.alternating, order=Setting.below)),
-    "alternating, too high": Kind(Truth.OUTSIDE, partial(laws.alternating, order=Setting.above)),
+    "alternating, too low": Kind(Truth.OUTSIDE, partial(laws.alternating, order=LawInputs.below)),
+    "alternating, too high": Kind(Truth.OUTSIDE, partial(laws.alternating, order=LawInputs.above)),
     "finest level too good": Kind(Truth.UNDECIDABLE, laws.too_good),
     "finest level vanishes": Kind(Truth.UNDECIDABLE, laws.vanishes),
-    "fewer than three levels": Kind(Truth.UNDECIDABLE, laws.power_law, spoiled=laws.few_levels),
-    "round-off before three levels": Kind(Truth.UNDECIDABLE, laws.power_law, spoiled=partial(laws.at_round_off, least=0)),
-    "zeros": Kind(Truth.UNDECIDABLE, laws.power_law, spoiled=laws.zeros),
-    "NaN or infinite": Kind(Truth.NOT_FINITE, laws.power_law, spoiled=laws.not_finite),
+    "fewer than three levels": Kind(Truth.UNDECIDABLE, laws.power_law, altered=laws.few_levels),
+    "round-off before three levels": Kind(Truth.UNDECIDABLE, laws.power_law, altered=partial(laws.at_round_off, least=0)),
+    "zeros": Kind(Truth.UNDECIDABLE, laws.power_law, altered=laws.zeros),
+    "NaN or infinite": Kind(Truth.NOT_FINITE, laws.power_law, altered=laws.not_finite),
 }
 
 
 @dataclass(frozen=True)
-class Specimen:
-    """One series with a band: sizes and errors (n,), in any order."""
+class RandomSeries:
+    """One series, in any order of its levels, and its band.
+
+    Parameters
+    ----------
+    h, error : Array
+        Sizes and relative errors (n,).
+    low, high : float
+        Accepted band of orders.
+    """
 
     h: Array
     error: Array
@@ -121,15 +128,15 @@ def ladder(generator: np.random.Generator, unequal: bool) -> Array:
     return 10 ** generator.uniform(-3, 2) / np.cumprod([1.0, *ratios])
 
 
-def specimen(kind: Kind, generator: np.random.Generator) -> Specimen:
+def draw_series(kind: Kind, generator: np.random.Generator) -> RandomSeries:
     """Draw one series of a kind."""
     low, high = band(generator)
     h = ladder(generator, generator.random() < 0.5 if kind.unequal is None else kind.unequal)
-    setting = Setting(generator, h / h[-1], low, high)
+    setting = LawInputs(generator, h / h[-1], low, high)
     law = kind.law(setting)
     size = 10 ** generator.uniform(-9, 0)
     scatter = generator.uniform(*kind.scatter) * generator.standard_normal(len(h))
-    # The second finest error sets the size: the finest one may vanish.
-    error = kind.spoiled(setting, law / law[-2] * size * np.exp(scatter))
+    # Scale by the second finest error, because the finest one may be zero.
+    error = kind.altered(setting, law / law[-2] * size * np.exp(scatter))
     shuffled = generator.permutation(len(error))
-    return Specimen(h[: len(error)][shuffled], error[shuffled], low, high)
+    return RandomSeries(h[: len(error)][shuffled], error[shuffled], low, high)

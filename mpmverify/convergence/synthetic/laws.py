@@ -1,4 +1,4 @@
-"""Laws of error series without their scatter, and what may spoil the errors when it is known."""
+"""Laws of error series without scatter, and changes that are applied to the errors afterwards."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,20 +9,20 @@ from mpmverify.convergence import ROUND_OFF
 from mpmverify.convergence.levels import Array
 
 MARGIN = 0.3
-"""Distance from the band at which an order is outside beyond doubt."""
+"""Smallest distance between the band and an order drawn outside it."""
 UNCERTAINTY = 1e-6
-"""Of the reference of those series that have one."""
+"""Relative uncertainty of the numerical reference in `against_reference`."""
 
 
 @dataclass(frozen=True)
-class Setting:
-    """What a law may draw from.
+class LawInputs:
+    """Input of a law.
 
     Parameters
     ----------
     generator : numpy.random.Generator
     x : Array
-        Sizes (n,) over the finest one, coarsest first.
+        Sizes relative to the finest one (n,), coarsest first.
     low, high : float
         Band of orders.
     """
@@ -44,31 +44,35 @@ class Setting:
         return self.uniform(self.low + quarter, self.high - quarter)
 
     def below(self) -> float:
-        """Draw an order that is below the band by the margin or more, and positive."""
+        """Draw a positive order below the band: `MARGIN` to 1.5 below it where that is above 0.05, else 0.05."""
         return max(0.05, self.low - self.uniform(MARGIN, 1.5))
 
     def above(self) -> float:
+        """Draw an order `MARGIN` to 1.5 above the band."""
         return self.high + self.uniform(MARGIN, 1.5)
 
 
-Law = Callable[[Setting], Array]
+Law = Callable[[LawInputs], Array]
 
 
-# Laws whose order is inside.
+# Laws whose order lies inside the band.
 
 
-def power_law(s: Setting) -> Array:
+def power_law(s: LawInputs) -> Array:
     return s.x ** s.inside()
 
 
-def approached(s: Setting, sign: int) -> Array:
-    """A correction of up to a quarter at the third finest level; the order comes from above (+1) or below (-1)."""
+def approached(s: LawInputs, sign: int) -> Array:
+    """A correction term of up to 25 % at the third finest level; the order approaches its limit from above (+1) or below (-1)."""
     correction = s.uniform(0, 0.25) * (s.x / s.x[-3]) ** s.uniform(0.5, 3)
     return s.x ** s.inside() * np.abs(1 + sign * correction) + 1e-300
 
 
-def rough_start(s: Setting) -> Array:
-    """Coarse levels that miss the wave: all but four at most have errors up to five times too small or half too large."""
+def rough_start(s: LawInputs) -> Array:
+    """Coarse levels that do not resolve the solution: their errors are up to 5 times too small or 1.5 times too large.
+
+    At least the four finest levels follow the power law.
+    """
     levels = len(s.x)
     start = int(s.generator.integers(0, max(1, levels - 3)))
     factor = np.ones(levels)
@@ -76,68 +80,68 @@ def rough_start(s: Setting) -> Array:
     return s.x ** s.inside() * factor
 
 
-def mixed(s: Setting) -> Array:
-    """A h^p + B h^q with p inside, q faster by up to 2, and less than a third of the finest error B's."""
+def mixed(s: LawInputs) -> Array:
+    """A h^p + B h^q with p inside the band and q up to 2 above p; the second term is less than a third of the finest error."""
     share, slow = s.uniform(0, 1 / 3), s.inside()
     return (1 - share) * s.x**slow + share * s.x ** (slow + s.uniform(0.3, 2))
 
 
-def alternating(s: Setting, order: Callable[[Setting], float]) -> Array:
-    """Odd and even levels lie on two lines, or on two curves that meet."""
+def alternating(s: LawInputs, order: Callable[[LawInputs], float]) -> Array:
+    """Odd and even levels lie on two parallel lines, or on two curves that converge, in the plane of log h and log E."""
     amplitude = s.uniform(0.05, 0.5) * (s.x / s.x[0] if s.coin() else 1.0)
     return s.x ** order(s) * (1 + amplitude * (-1.0) ** np.arange(len(s.x)) * (1 if s.coin() else -1))
 
 
-# Laws whose order is outside.
+# Laws whose order lies outside the band.
 
 
-def other_order(s: Setting, side: Callable[[Setting], float]) -> Array:
+def other_order(s: LawInputs, side: Callable[[LawInputs], float]) -> Array:
     return s.x ** side(s)
 
 
-def stagnant(s: Setting) -> Array:
+def stagnant(s: LawInputs) -> Array:
     return s.x ** min(s.low - MARGIN, s.uniform(-0.2, 0.2))
 
 
-def equal(s: Setting) -> Array:
+def equal(s: LawInputs) -> Array:
     return np.ones_like(s.x)
 
 
-def divergent(s: Setting) -> Array:
+def divergent(s: LawInputs) -> Array:
     return s.x ** s.uniform(-4, -0.3)
 
 
-def with_tail(s: Setting, order: float, tail: float) -> Array:
-    """A slower term that has taken over at the finest level, by so much that the order is outside there."""
+def with_tail(s: LawInputs, order: float, tail: float) -> Array:
+    """Add a term of order `tail` to one of order `order`; at the finest level it dominates, and the order is outside the band."""
     least = (order - (s.low - MARGIN)) / (order - tail)
     share = s.uniform(max(0.5, min(0.99, least)), 1)
     return (1 - share) * s.x**order + share * s.x**tail
 
 
-def turns_up(s: Setting) -> Array:
+def turns_up(s: LawInputs) -> Array:
     return with_tail(s, s.inside(), s.uniform(-3, -0.3))
 
 
-def floor(s: Setting) -> Array:
+def floor(s: LawInputs) -> Array:
     return with_tail(s, s.inside() + (s.uniform(0, 2) if s.coin() else 0), min(0.0, s.low - MARGIN))
 
 
-def slower_in_the_end(s: Setting) -> Array:
+def slower_in_the_end(s: LawInputs) -> Array:
     return with_tail(s, s.inside() + s.uniform(0, 1), s.low - s.uniform(MARGIN, 1.5))
 
 
-def blows_up(s: Setting) -> Array:
+def blows_up(s: LawInputs) -> Array:
     return _with_finest(power_law(s), 10 ** s.uniform(1, 6))
 
 
-# Laws that decide nothing.
+# Laws that allow no decision.
 
 
-def too_good(s: Setting) -> Array:
+def too_good(s: LawInputs) -> Array:
     return _with_finest(power_law(s), 10 ** -s.uniform(2, 8))
 
 
-def vanishes(s: Setting) -> Array:
+def vanishes(s: LawInputs) -> Array:
     return _with_finest(power_law(s), 0.0)
 
 
@@ -145,15 +149,18 @@ def _with_finest(error: Array, factor: float) -> Array:
     return np.append(error[:-1], error[-1] * factor)
 
 
-# Series that are spoiled when their law and their scatter are known.
+# Changes of the errors after the law and the scatter.
 
 
-def as_drawn(s: Setting, error: Array) -> Array:
+def unaltered(s: LawInputs, error: Array) -> Array:
     return error
 
 
-def at_round_off(s: Setting, error: Array, least: int) -> Array:
-    """At least `least` levels or, if that is none, at most two are above round-off; the others are noise of double precision."""
+def at_round_off(s: LawInputs, error: Array, least: int) -> Array:
+    """Replace the finest levels by noise of double precision.
+
+    At least `least` levels stay above round-off; if `least` is 0, at most two do.
+    """
     levels = len(error)
     above = int(s.generator.integers(least, levels + 1)) if least else int(s.generator.integers(0, 3))
     step = error[max(above - 1, 0)] / error[min(above, levels - 1)]
@@ -162,25 +169,25 @@ def at_round_off(s: Setting, error: Array, least: int) -> Array:
     return np.abs(scaled + 1e-15 * s.generator.standard_normal(levels))
 
 
-def against_reference(s: Setting, error: Array) -> Array:
-    """A reference is off by no more than `UNCERTAINTY`, which the three coarsest errors at least exceed more than tenfold."""
+def against_reference(s: LawInputs, error: Array) -> Array:
+    """Shift all errors by an error of the reference of at most `UNCERTAINTY`; at least three levels exceed ten times that."""
     last = int(s.generator.integers(2, len(error)))
     scaled = error / error[last] * UNCERTAINTY * s.uniform(11.5, 20)
     return np.abs(scaled + UNCERTAINTY * s.uniform(-1, 1))
 
 
-def few_levels(s: Setting, error: Array) -> Array:
+def few_levels(s: LawInputs, error: Array) -> Array:
     return error[: int(s.generator.integers(1, 3))]
 
 
-def zeros(s: Setting, error: Array) -> Array:
-    """All but two levels at most are exactly zero."""
+def zeros(s: LawInputs, error: Array) -> Array:
+    """Set all levels but at most two to zero."""
     left = s.generator.permutation(len(error))[: int(s.generator.integers(0, 3))]
     return np.where(np.isin(np.arange(len(error)), left), error, 0.0)
 
 
-def not_finite(s: Setting, error: Array) -> Array:
+def not_finite(s: LawInputs, error: Array) -> Array:
     bad = s.generator.permutation(len(error))[: int(s.generator.integers(1, len(error) + 1))]
-    spoiled = error.copy()
-    spoiled[bad] = s.generator.choice([np.nan, np.inf], len(bad))
-    return spoiled
+    altered = error.copy()
+    altered[bad] = s.generator.choice([np.nan, np.inf], len(bad))
+    return altered

@@ -1,4 +1,4 @@
-"""How often the judge is right, undecided and wrong, by kind of series."""
+"""Rates of right, inconclusive and wrong verdicts on random series, by kind of series."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmverify.convergence import verdict
 from mpmverify.convergence.levels import Array
-from mpmverify.convergence.synthetic.kinds import KINDS, Kind, Setting, Truth, specimen
+from mpmverify.convergence.synthetic.kinds import KINDS, Kind, LawInputs, Truth, draw_series
 from mpmverify.convergence.verdict import Verdict
 
 RIGHT = {
@@ -22,20 +22,20 @@ RIGHT = {
 
 @dataclass(frozen=True)
 class Rate:
-    """Verdicts on the series of one kind, or of several.
+    """Numbers of verdicts on the series of one kind, or of several.
 
     Parameters
     ----------
     kind : str
     truth : str
     series : int
-        How many were judged: the sum of those that follow.
+        Judged series: the sum of the numbers below.
     right : int
-        PASS inside, FAIL outside, INCONCLUSIVE where nothing can be decided, ERROR where a level is not finite.
+        PASS inside, FAIL outside, INCONCLUSIVE for undecidable series, ERROR where a level is not finite.
     inconclusive : int
-        Where a verdict was possible.
+        INCONCLUSIVE although PASS, FAIL or ERROR was right.
     wrong_pass, wrong_fail : int
-        ERROR counts as a wrong FAIL where every level is finite.
+        Wrong verdicts; a wrong ERROR counts as a wrong FAIL.
     """
 
     kind: str
@@ -48,17 +48,17 @@ class Rate:
 
 
 def rate(name: str, kind: Kind, count: int, seed: Sequence[int]) -> Rate:
-    """Judge series of one kind."""
+    """Judge `count` random series of one kind."""
     generator = np.random.default_rng(seed)
     found: Counter[Verdict] = Counter()
     for _ in range(count):
-        drawn = specimen(kind, generator)
+        drawn = draw_series(kind, generator)
         found[verdict(drawn.h, drawn.error, band=(drawn.low, drawn.high), uncertainty=kind.uncertainty)[0]] += 1
-    return counted(name, kind.truth, found)
+    return rate_of_verdicts(name, kind.truth, found)
 
 
-def counted(name: str, truth: Truth, found: Mapping[Verdict, int]) -> Rate:
-    """Rate of the verdicts that were found on series of one truth."""
+def rate_of_verdicts(name: str, truth: Truth, found: Mapping[Verdict, int]) -> Rate:
+    """Count the right and wrong verdicts among those found on series of one truth."""
     rest = Counter(found)
     right, undecided, passed = (rest.pop(verdict, 0) for verdict in (RIGHT[truth], Verdict.INCONCLUSIVE, Verdict.PASS))
     return Rate(name, truth, sum(found.values()), right, undecided, passed, rest.total())
@@ -70,7 +70,7 @@ def measure(count: int = 20_000, seed: int = 0) -> list[Rate]:
     Parameters
     ----------
     count : int
-        Of series in all, rounded up to the same number of every kind.
+        Total number of series, rounded up so that every kind has the same number.
     seed : int
         The same seed gives the same series.
     """
@@ -79,24 +79,31 @@ def measure(count: int = 20_000, seed: int = 0) -> list[Rate]:
 
 
 MARGINS = (-0.05, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
-"""Distances outside the band at which `measure_limits` looks; a negative one is inside."""
+"""Distances outside the band of the orders in `measure_limits`; negative ones are inside."""
 SHARES = (0.01, 0.1, 0.3, 0.5)
-"""Shares of the finest error that a slower term has where `measure_limits` looks for it."""
+"""Shares of a slower term in the finest error in `measure_limits`."""
 
 
 def measure_limits(count: int = 8_000, seed: int = 0) -> list[Rate]:
-    """Judge series at the limits of what a judge can see: orders close to an edge, and slower terms that have not taken over.
+    """Judge series that are hard to decide: orders close to an edge of the band, and slower terms that do not dominate yet.
+
+    Parameters
+    ----------
+    count : int
+        Total number of series, rounded up so that every kind has the same number.
+    seed : int
+        The same seed gives the same series.
 
     Notes
     -----
-    `measure` leaves these out, since a wrong verdict on them is inherent: a finite ladder cannot tell an order from one that is
-    closer than its interval, nor what the error will do beyond the finest level. These rates say how close is too close.
+    `measure` leaves these series out because wrong verdicts on them are inevitable: a finite number of levels can neither resolve
+    orders closer than the confidence interval nor show the error beyond the finest level. These rates show how close an order may be.
     """
 
-    def beside(s: Setting, margin: float) -> Array:
+    def beside(s: LawInputs, margin: float) -> Array:
         return s.x ** (s.high + margin if s.coin() else s.low - margin)
 
-    def hidden(s: Setting, share: float) -> Array:
+    def hidden(s: LawInputs, share: float) -> Array:
         return (1 - share) * s.x ** s.inside() + share * s.x ** s.below()
 
     edges = {
@@ -112,7 +119,7 @@ def measure_limits(count: int = 8_000, seed: int = 0) -> list[Rate]:
 
 
 def total(rates: Iterable[Rate], *truths: Truth) -> Rate:
-    """Sum of the rates of some truths, by default of all."""
+    """Sum of the rates of the given truths, by default of all."""
     some = [r for r in rates if not truths or r.truth in truths]
     sums = {
         name: sum(getattr(r, name) for r in some) for name in ("series", "right", "inconclusive", "wrong_pass", "wrong_fail")

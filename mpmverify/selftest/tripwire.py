@@ -1,18 +1,25 @@
-"""What stands before a statement to find out whether a trial comes to it."""
+"""Tripwire: a call placed in front of an edited statement, to find out whether any trial reaches it."""
 
 import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 
-def trip(names: Mapping[str, object]) -> None:
-    """Spoil both ends of every array that a traced function of the material point method has at hand, or if it has none the next of those
-    that call it, when compiled code comes to where it is called.
+def spoil_arrays(names: Mapping[str, object]) -> None:
+    """Generate code that writes NaN to the first and last element of every array in the variables of a traced function.
+
+    If the function has no array, the arrays of the nearest caller that has some are spoiled. The writes happen when the compiled
+    code reaches the call.
+
+    Parameters
+    ----------
+    names : mapping of str to object
+        Local variables of the traced function.
 
     Raises
     ------
     ArithmeticError
-        If none has, at once.
+        At once, if neither the function nor any of its callers has an array.
     """
     arrays, frame = list(_arrays(list(names.values()))), sys._getframe(1).f_back
     while not arrays and frame:
@@ -29,7 +36,7 @@ def trip(names: Mapping[str, object]) -> None:
 
 
 def _arrays(found: Any) -> Iterator[Any]:
-    """The arrays of doubles that may be written to; whose class is not known here: each planted copy of the sources has its own."""
+    """Yield the writable arrays of doubles, found by their attributes: each planted copy has its own array class."""
     if isinstance(found, list | tuple):
         for item in found:
             yield from _arrays(item)
