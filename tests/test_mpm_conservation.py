@@ -41,18 +41,11 @@ ELASTIC = LinearElastic(1.0, 1.0, 0.3)
 
 
 def in_dimensions(*variants_and_dimensions):
-    """Each variant in its dimensions, what is compiled as one in one process."""
+    """Each variant in its dimensions."""
     return pytest.mark.parametrize(
         ("variant", "dimension"),
         [
-            pytest.param(
-                variant,
-                dimension,
-                id=f"{variant.name}-{dimension}d",
-                marks=pytest.mark.xdist_group(
-                    f"{variant.basis}-{variant.transfer.affine}-{variant.transfer.terms > 1}-{dimension}"
-                ),
-            )
+            pytest.param(variant, dimension, id=f"{variant.name}-{dimension}d")
             for variants, dimensions in variants_and_dimensions
             for variant in variants
             for dimension in dimensions
