@@ -1,20 +1,16 @@
 """What every solver value of the studies keeps: its declared orders and invariants, and the contract of `mpmverify.solution`."""
 
-import ast
 import dataclasses
 import functools
 import math
 import pickle
 import re
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
 from arrays import assert_close
 
-import mpmverify.solvers
 from mpmverify import studies
 from mpmverify.bisection import Bisection
 from mpmverify.convergence import Convergence, analyse
@@ -468,71 +464,3 @@ def assert_refused(solver: Solver, problem: Problem) -> None:
 def test_a_cell_size_that_does_not_divide_the_body_is_misuse(solver: Solver) -> None:
     with pytest.raises(UsageError, match=rf"'{PULLED.name}'.*does not divide"):
         solver.solve(PULLED, Discretisation(LENGTH / 24.5, 0.2, 2))
-
-
-# Sources: a solver never sees its answer
-
-CORE = {"mpmverify.errors", "mpmverify.material", "mpmverify.problem", "mpmverify.solution"}
-LIBRARIES = {"numpy", "numba", "llvmlite", "scipy"}
-FOLDER = Path(mpmverify.solvers.__file__).parent
-SOURCES = sorted(FOLDER.rglob("*.py"))
-
-
-def imported(path: Path, folder: Path) -> Iterator[str]:
-    """Modules that a file of the solvers' folder imports, with relative names resolved."""
-    package = ["mpmverify", "solvers", *path.relative_to(folder).parts[:-1]]
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            base = ".".join(package[: len(package) + 1 - node.level]) if node.level else ""
-            module = ".".join(part for part in (base, node.module) if part)
-            # What is imported from a package may itself be a module.
-            yield from (f"{module}.{alias.name}" for alias in node.names) if module in ("mpmverify", base) else (module,)
-
-
-def forbidden(path: Path, folder: Path) -> list[str]:
-    """Imports of a solver's file beyond its own family, what a solver may see of the core, and its libraries."""
-    family = path.relative_to(folder).parts[0]
-    own = f"mpmverify.solvers.{family}" if (folder / family).is_dir() else "mpmverify.solvers"
-    libraries = LIBRARIES | sys.stdlib_module_names | ({"skfem"} if family == "fem" else set())
-
-    def allowed(name: str) -> bool:
-        return name in CORE or f"{name}.".startswith(f"{own}.") or name.partition(".")[0] in libraries
-
-    return [name for name in imported(path, folder) if not allowed(name)]
-
-
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(FOLDER)))
-def test_a_solver_never_sees_its_answer(path: Path) -> None:
-    assert forbidden(path, FOLDER) == []
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "import xarray",
-        "import skfem",
-        "import mpmverify.exact",
-        "from mpmverify import exact",
-        "from mpmverify import studies as s",
-        "from mpmverify.norms import l2",
-        "from mpmverify.gate import Verdict",
-        "from mpmverify.exact.vibration import Mode",
-        "from mpmverify.solvers.fem import kernel",
-        "from ..fem.kernel import advance",
-        "from .. import fem",
-        "from ...exact import ExactSolution",
-        "def late():\n    from mpmverify.studies import get",
-    ],
-)
-def test_the_guard_sees_a_forbidden_import(line: str, tmp_path: Path) -> None:
-    path = tmp_path / "mpm" / "kernels.py"
-    path.parent.mkdir()
-    path.write_text(f"import numpy as np\nfrom mpmverify.problem import Array\nfrom . import laws\n{line}\n", encoding="utf-8")
-    assert len(forbidden(path, tmp_path)) == 1
-
-
-def test_the_guard_reads_every_source() -> None:
-    assert {path.parent.name for path in SOURCES} >= {"fem", "mpm", "taylor_galerkin"}
-    assert {"mpmverify.problem", "numba"} <= {name for path in SOURCES for name in imported(path, FOLDER)}
