@@ -142,15 +142,17 @@ def affine_moment(scheme, grid, particles):
 
 OF_PARTICLES = [basis for basis in BASES if not basis.startswith("tls-")]
 """What Taylor least squares gives the grid is no sum over particles, and has a table of its own with its tests."""
-CLOUDS = [
-    MaterialPoint("USL", by, basis)
-    for by in (FLIP, PIC, blend(0.7), APIC, TPIC)  # a pass of XPIC or FMPM is one of PIC
-    for basis in OF_PARTICLES
-    if not (by.affine and basis == "cpdi")
-]
-IN_SPACE = [variant for variant in CLOUDS if not variant.transfer.affine or variant.basis in ("linear", "quadratic")]
-"""What an affine transfer keeps goes by products of functions along the axes: two bases tell for the third axis, too."""
-clouds = in_dimensions((CLOUDS, (1, 2)), (IN_SPACE, (3,)))
+NOT_AFFINE = [MaterialPoint("USL", by, basis) for by in (FLIP, PIC, blend(0.7)) for basis in OF_PARTICLES]
+"""Compiled once for each basis and dimension; a pass of XPIC or FMPM is one of PIC."""
+AFFINE = [MaterialPoint("USL", by, basis) for by in (APIC, TPIC) for basis in OF_PARTICLES if basis != "cpdi"]
+IN_SPACE = [MaterialPoint("USL", APIC, "linear"), MaterialPoint("USL", TPIC, "quadratic")]
+ON_A_LINE = [MaterialPoint("USL", APIC, "quadratic"), MaterialPoint("USL", TPIC, "linear")]
+"""Any two of basis, transfer and dimension meet: affine transfers with every basis in the plane, elsewhere with one basis each.
+
+What an affine transfer keeps goes by products of functions along the axes, each of which `NOT_AFFINE` meets in all dimensions.
+"""
+turning = in_dimensions((NOT_AFFINE, (2, 3)), (AFFINE, (2,)), (IN_SPACE, (3,)))
+clouds = in_dimensions((NOT_AFFINE, (1, 2, 3)), (AFFINE, (2,)), (IN_SPACE, (3,)), (ON_A_LINE, (1,)))
 
 
 @clouds
@@ -198,7 +200,7 @@ def test_grid_to_particles_keeps_linear_momentum(variant, dimension):
     assert not np.array_equal(before[0], particles.velocity)
 
 
-@in_dimensions((CLOUDS, (2,)), (IN_SPACE, (3,)))
+@turning
 def test_apic_keeps_angular_momentum_over_a_step_and_pic_and_flip_do_not(variant, dimension):
     """About the old places, since the grid is where it was; x_p + dt v_p moves along the momentum of APIC and PIC itself."""
     scheme, grid, particles, _, positions, _, momentum, x, *_ = stepped(variant, dimension, 30 + dimension, 1.0)
