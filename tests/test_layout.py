@@ -248,7 +248,42 @@ def test_only_the_command_line_and_the_plugin_import_solvers_studies_and_reports
 def test_a_solver_imports_neither_exact_solutions_nor_files(module):
     assert core_imports(module) <= {"errors", "problem", "solution"}
     assert {part(name) for name in imports(module) if name in MODULES} <= {"mpmverify", "solvers"}
-    assert not {name.partition(".")[0] for name in imports(module)} & {"xarray", "netCDF4"}
+    libraries = {"numpy", "numba", "llvmlite", "scipy", "skfem", "mpmverify"}
+    assert {name.partition(".")[0] for name in imports(module)} <= libraries | sys.stdlib_module_names
+
+
+FAMILIES = ("mpm", "taylor_galerkin", "fem")
+
+
+@pytest.mark.parametrize("family", [*FAMILIES, "tracing"])
+def test_a_family_of_solvers_imports_no_other(family):
+    mine = [module for module in of("solvers") if f"{module}.".startswith(f"mpmverify.solvers.{family}.")]
+    others = tuple(f"mpmverify.solvers.{other}." for other in FAMILIES if other != family)
+    assert mine
+    assert [name for module in mine for name in imports(module) if f"{name}.".startswith(others)] == []
+
+
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        ("import xarray", "xarray"),
+        ("import mpmverify.exact", "mpmverify.exact"),
+        ("from mpmverify import exact", "mpmverify.exact"),
+        ("from mpmverify import studies as s", "mpmverify.studies"),
+        ("from mpmverify.criteria.norms import errors", "mpmverify.criteria.norms"),
+        ("from mpmverify.exact.vibration import Mode", "mpmverify.exact.vibration"),
+        ("from mpmverify.solvers.fem import kernel", "mpmverify.solvers.fem.kernel"),
+        ("from ..fem.kernel import advance", "mpmverify.solvers.fem.kernel"),
+        ("from .. import fem", "mpmverify.solvers.fem"),
+        ("from ...exact import ExactSolution", "mpmverify.exact"),
+        ("def late():\n    from mpmverify.studies import get", "mpmverify.studies"),
+    ],
+)
+def test_an_import_of_a_solver_is_seen_however_it_is_written(line, name, tmp_path, monkeypatch):
+    path = tmp_path / "kernels.py"
+    path.write_text(f"import numpy as np\nfrom mpmverify.problem import Array\n{line}\n", encoding="utf-8")
+    monkeypatch.setitem(MODULES, "mpmverify.solvers.mpm.kernels", path)
+    assert imports("mpmverify.solvers.mpm.kernels") - {"numpy", "mpmverify.problem"} == {name}
 
 
 def test_only_the_finite_elements_import_skfem_and_they_share_no_kernel():

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numba
 import pytest
 
 import mpmverify.solvers
@@ -298,6 +299,13 @@ FAULTS = (
     ),
 )
 TRIALS = tuple(dict.fromkeys(kill.trial for fault in FAULTS for kill in fault.kills))
+
+
+@pytest.fixture(autouse=True)
+def _little_optimisation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Most of the time compiles what runs for a moment. The unmodified copies pass as they are compiled here, too."""
+    level: Any = numba.config.OPT
+    monkeypatch.setattr(numba.config, "OPT", type(level)(1))
 
 
 def verification(study: Study, folder: Path) -> list[Finding]:
