@@ -380,7 +380,7 @@ def test_colliding_disks_exchange_momentum_and_conserve_its_sum(transfer):
         (lambda: offset(math.nan), "offset"),
         (lambda: Layout("mine", offset=-0.6), "offset"),
         (lambda: Bodies(()), "give one or more bodies"),
-        (lambda: Bodies((Block((0.0,), (1.0,)), Disk((2.0, 0.0), 0.5))), "all of one dimension"),
+        (lambda: Bodies((Block((0.0,), (1.0,)), Disk((2.0, 0.0), 0.5))), "bodies of the same dimension"),
         (lambda: Block((0.0, 0.0), (1.0, 0.0)), "the upper above the lower"),
         (lambda: Block((0.0,), (1.0, 1.0)), "two corners"),
         (lambda: Block((0.0,), (math.inf,)), "finite"),
