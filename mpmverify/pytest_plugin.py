@@ -1,6 +1,6 @@
-"""pytest plugin: studies as tests, one a criterion, and the `verify` fixture for a solver of one's own.
+"""pytest plugin: it collects studies as tests, one test per criterion, and offers the fixture `verify` for your own solver.
 
-Every session of pytest imports this module, so that it imports nothing but pytest until a study or the fixture is used.
+Every pytest session imports this module. It therefore imports pytest and `mpmverify.errors` alone, until a study or the fixture is used.
 """
 
 import argparse
@@ -25,37 +25,42 @@ if TYPE_CHECKING:
     from mpmverify.study import Refinement, Study
 
 ROOT = "mpmverify"
-"""First part of the node id of every criterion, and its marker."""
+"""First part of the node id of every criterion, and the name of its marker."""
 SHARED = pytest.StashKey[tempfile.TemporaryDirectory[str]]()
+"""Folder that the workers of pytest-xdist share."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup(ROOT, "verification studies")
-    group.addoption("--mpmverify", action="store_true", help="Collect the shipped studies as tests, one a criterion.")
+    group.addoption("--mpmverify", action="store_true", help="Collect the shipped studies as tests, one test per criterion.")
     group.addoption(
         "--mpmverify-study",
         action="append",
         default=[],
         metavar="STUDY",
-        help="Collect this study alone: a shipped name, or MODULE:NAME for a study of your own; may be repeated.",
+        help="Collect only this study: a shipped name, or MODULE:NAME for your own study; may be repeated.",
     )
-    group.addoption("--mpmverify-out", metavar="DIR", help="Results folder; by default in the cache of pytest.")
-    group.addoption("--mpmverify-tier", choices=["quick", "full"], default="quick", help="How many levels.")
-    group.addoption("--mpmverify-jobs", type=_jobs, metavar="N", help="Worker processes; by default one a processor.")
-    group.addoption("--mpmverify-strict", action="store_true", help="An inconclusive verdict fails instead of being skipped.")
+    group.addoption("--mpmverify-out", metavar="DIR", help="Results folder; by default a folder in pytest's cache.")
+    group.addoption("--mpmverify-tier", choices=["quick", "full"], default="quick", help="Number of levels.")
+    group.addoption(
+        "--mpmverify-jobs", type=_jobs, metavar="N", help="Number of worker processes; by default one per processor."
+    )
+    group.addoption(
+        "--mpmverify-strict", action="store_true", help="Report an inconclusive verdict as failed instead of skipped."
+    )
 
 
 def _jobs(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} worker processes can solve nothing: give a number from 1")
+        raise argparse.ArgumentTypeError(f"the number of worker processes must be at least 1, not {text!r}")
     return int(text)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", f"{ROOT}: a criterion of a study, collected by --mpmverify.")
-    # Here, where pytest shows one line for it, and not in a test, where it shows this file.
+    config.addinivalue_line("markers", f"{ROOT}: a criterion of a study, collected by --mpmverify or --mpmverify-study.")
+    # Checked here because pytest reports a UsageError at this point in one line, and later with a traceback.
     if _collects(config) and not (config.getoption("mpmverify_out") or config.pluginmanager.has_plugin("cacheprovider")):
-        raise pytest.UsageError("the cache of pytest is switched off: choose a results folder with --mpmverify-out")
+        raise pytest.UsageError("pytest's cache is disabled: choose a results folder with --mpmverify-out")
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:
@@ -69,18 +74,18 @@ def _collects(config: pytest.Config) -> bool:
 
 
 def _folder(config: pytest.Config) -> Path:
-    """Results folder: runs that are solved are at hand in the next session."""
+    """Results folder; the next session reuses the runs that it stores."""
     if chosen := config.getoption("mpmverify_out"):
         return Path(config.invocation_params.dir, chosen)
     return Path(config.cache.mkdir(ROOT))
 
 
-# Collection: mpmverify::study::case::solver::refinement::criterion, from the declarations alone.
+# Collection, from the declarations alone: no run is solved. Node ids are mpmverify::study::case::solver::refinement::criterion.
 
 
 @pytest.hookimpl(hookwrapper=True)
 def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, None]:
-    """Add the studies to what the session collects from files."""
+    """Add the studies to the items that the session collects from files."""
     outcome = yield
     if isinstance(collector, pytest.Session) and _collects(collector.config):
         report: pytest.CollectReport = outcome.get_result()
@@ -97,7 +102,7 @@ class Studies(pytest.Collector):
         Raises
         ------
         CollectError
-            If one is unknown or has no criterion, or two share a name.
+            If a study is unknown or has no criterion, or if two studies have the same name.
         """
         from mpmverify import studies
         from mpmverify.execution.shared_study import SharedStudy
@@ -112,7 +117,7 @@ class Studies(pytest.Collector):
                 bench = SharedStudy(study, self._plan, partial(self._wanted, study.name), ":" not in name, shared)
                 tree = bench.declared()
                 if not any(titles for cases in tree.values() for ladders in cases.values() for titles in ladders.values()):
-                    raise UsageError(f"the study {name!r} has no criterion: say what must hold of its series")
+                    raise UsageError(f"the study {name!r} has no criterion: declare one for its series")
                 yield Branch.from_parent(self, name=study.name, bench=bench, tree=tree)
         except MpmverifyError as error:
             raise self.CollectError(str(error)) from error
@@ -147,18 +152,21 @@ def _own_study(name: str) -> "Study":
     try:
         study = getattr(importlib.import_module(module), attribute)
     except (ImportError, AttributeError, ValueError) as error:
-        remedy = "give MODULE:NAME of a module that Python finds, as `python -m pytest` finds those of this folder"
+        remedy = "give MODULE:NAME of a module on Python's path (`python -m pytest` adds the working folder to it)"
         raise UsageError(f"the study {name!r} cannot be imported ({error}): {remedy}") from error
-    except (Exception, SystemExit) as error:  # a module may raise anything
+    except (Exception, SystemExit) as error:  # importing a module runs it, which may raise anything
         said = f"{type(error).__name__}: {error} ({place(error)})"
-        raise UsageError(f"the study {name!r} cannot be imported, {said}: mend its module") from error
+        raise UsageError(f"the study {name!r} cannot be imported, {said}: correct its module") from error
     if not isinstance(study, Study):
-        raise UsageError(f"{name!r} is of the type {type(study).__name__}: give the name of a Study")
+        raise UsageError(f"{name!r} is of type {type(study).__name__}: give the name of a Study")
     return study
 
 
 class Branch(pytest.Collector):
-    """A study, a case of it, a solver or a refinement; `tree` is what lies below it, by name, and `above` what leads to it."""
+    """Collector of a study, a case, a solver or a refinement.
+
+    `tree` has the levels below it by name, and `above` the names of the levels above it, from the study on.
+    """
 
     KINDS = ("Study", "Case", "Solver", "Refinement")
 
@@ -170,7 +178,7 @@ class Branch(pytest.Collector):
         for name in self.tree:
             here = (*self.above, name)
             if len(here) == len(self.KINDS):
-                # As text, which pytest takes apart as it does the ids in its cache: a title may end in a bracket.
+                # Given as text: pytest then parses it as it parses the ids in its cache, even where a title ends in a bracket.
                 nodeid = f"{self.nodeid}::{name}"
                 yield CriterionItem.from_parent(self, name=name, nodeid=nodeid, bench=self.bench, identity=here)
             else:
@@ -189,18 +197,18 @@ class CriterionItem(pytest.Item):
         self.add_marker(ROOT)
 
     def setup(self) -> None:
-        """Have the study solved; a run that erred is an error of the set-up, as nothing could be judged."""
+        """Solve and judge the study; a verdict ERROR is reported as an error of the test's setup."""
         try:
             self.finding = self.bench.finding(self.identity)
             failure = _explained(self.finding) if self.finding.verdict == "ERROR" else ""
         except MpmverifyError as error:
             failure = str(error)
-        if failure:  # here, where pytest does not show what was handled above
+        if failure:  # outside of the handler: pytest would also show the exception that was being handled
             pytest.fail(failure, pytrace=False)
 
     def runtest(self) -> None:
         if self.finding.verdict == "INCONCLUSIVE" and not self.config.getoption("mpmverify_strict"):
-            pytest.skip(str(self.finding))  # neither green nor red: nothing was decided
+            pytest.skip(str(self.finding))  # neither passed nor failed
         if self.finding.verdict != "PASS":
             pytest.fail(_explained(self.finding), pytrace=False)
 
@@ -217,7 +225,7 @@ def _explained(finding: "Finding") -> str:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_configure_node(node: Any) -> None:
-    """Give the workers of pytest-xdist a folder that they share in this session alone."""
+    """Give the workers of pytest-xdist a common temporary folder for this session."""
     config = node.config
     if _collects(config):
         if SHARED not in config.stash:
@@ -226,18 +234,25 @@ def pytest_configure_node(node: Any) -> None:
         node.workerinput["mpmverify_shared"] = config.stash[SHARED].name
 
 
-# A solver of one's own.
+# Your own solver.
 
 
 @pytest.fixture
 def verify(request: pytest.FixtureRequest) -> "Callable[..., tuple[Finding, ...]]":
-    """Put a solver of your own on a study: verify(MySolver(), study="elastic-bar", case="pulse").
+    """Return a function that verifies your own solver on a study: verify(MySolver(), study="elastic-bar", case="pulse").
 
-    The solver is any object with `name`, `orders`, `conserves` and `solve(problem, discretisation) -> Solution`. Its declared orders,
-    limited by the smoothness of the exact solution, and what it declares to conserve must hold on the first ladder of the case in h
-    at one Courant number; `refinement` and `criteria` replace these. All but PASS is an AssertionError with the sentence of every
-    criterion that does not hold; where nothing can be judged, a UsageError says why. With `timeout` (seconds a run) the runs are
-    solved in a worker process.
+    The solver is any object with `name`, `orders`, `conserves` and `solve(problem, discretisation) -> Solution`. The function takes
+
+    - the solver,
+    - `study`: the name of a shipped study, or a `Study`,
+    - `case`: the name of a case of the study; it may be omitted where the study has one case only,
+    - `refinement`: by default the case's first ladder in h at one Courant number,
+    - `criteria`: by default the declared orders of the solver, limited by the smoothness of the exact solution, and the
+      quantities that it declares to conserve,
+    - `timeout`: time limit of a run [s]; with a limit the runs are solved in a worker process.
+
+    It returns the findings if every verdict is PASS. Any other verdict raises an AssertionError with the sentence of each criterion
+    that did not pass. A UsageError says why nothing can be judged.
     """
     tier = request.config.getoption("mpmverify_tier")
 

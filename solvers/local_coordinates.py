@@ -1,4 +1,4 @@
-"""Local coordinates of points in two-node bars and four-node quadrilaterals, and the search for the element that holds them.
+"""Local coordinates of points in two-node bars and four-node quadrilaterals, and the search for the element of a point.
 
 References
 ----------
@@ -16,17 +16,18 @@ from mpmverify.problem import Array
 CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 """Local coordinates of a quadrilateral's nodes, counter-clockwise."""
 CONVERGED = 1e-14
-"""Residual, in diameters of the element, from which Newton's next step is the last."""
+"""Residual relative to the size of the element at which Newton's method takes its last step."""
 ITERATIONS, HALVINGS = 60, 30
+"""Largest number of Newton steps, and of halvings of one step."""
 FLAT = 1e-10
-"""Least Jacobian at a node, in squared diameters, of an element that counts."""
+"""An element is degenerate when the least Jacobian at its nodes, relative to its squared diameter, is at most this."""
 TOUCHING = 1e-13
-"""Distance, in sizes of the mesh, within which a point lies on an edge."""
+"""A point lies on an edge when its distance to the edge, relative to the size of the mesh, is at most this."""
 
 
 @njit(cache=True, fastmath={"contract"})
 def shape_functions(xi: Array, N: Array, dN: Array) -> None:
-    """Set N_a (n,) and dN_a/dxi_j (n, dim) [1]: (1 -+ xi)/2, or (1 + xi_a xi)(1 + eta_a eta)/4."""
+    """Set N_a (n,) and dN_a/dxi_j (n, dim) [1] of a bar, N = (1 -+ xi)/2, or a quadrilateral, N_a = (1 + xi_a xi)(1 + eta_a eta)/4."""
     if len(xi) == 1:
         N[0], N[1] = (1 - xi[0]) / 2, (1 + xi[0]) / 2
         dN[0, 0], dN[1, 0] = -0.5, 0.5
@@ -48,10 +49,11 @@ def residual(nodes: Array, x: Array, xi: Array, N: Array, dN: Array, r: Array) -
 
 @njit(cache=True, fastmath={"contract"})
 def newton(corners: Array, point: Array, xi: Array) -> bool:
-    """Solve sum_a N_a(xi) x_a = x for xi (dim,) from the centre by damped Newton steps J dxi = r; whether it converged.
+    """Solve sum_a N_a(xi) x_a = x for xi (dim,) by damped Newton steps J dxi = r from the centre; return whether it converged.
 
-    The path that the steps follow maps to the straight line from the centre to x. For x in a convex element that line stays inside,
-    where det J > 0: with steps halved until the residual falls, Newton's method then always arrives.
+    In the limit of small steps the iterates map to the straight line from the image of the centre to x. For x in a convex
+    element this line stays inside the element, where det J > 0, so that Newton's method converges if each step is halved until
+    the residual decreases.
     """
     n, dim = corners.shape
     N, dN, r, step, trial = np.empty(n), np.empty((n, dim)), np.empty(dim), np.empty(dim), np.empty(dim)
@@ -59,7 +61,7 @@ def newton(corners: Array, point: Array, xi: Array) -> bool:
     size = 0.0
     for a in range(n):
         size = max(size, np.abs(corners[a] - centre).max())
-    # Relative to a node and to the size, or a small element far from the origin would lose its digits.
+    # Shifted to a node and scaled by the size: a small element far from the origin would otherwise lose digits.
     nodes, x = (corners - centre) / size, (point - centre) / size
     xi[:] = 0.0
     error = residual(nodes, x, xi, N, dN, r)
@@ -91,7 +93,7 @@ def newton(corners: Array, point: Array, xi: Array) -> bool:
 
 @njit(cache=True, fastmath={"contract"})
 def least_jacobian(nodes: Array) -> float:
-    """Least of the Jacobians at the nodes, in diameters^dim: positive for a convex element numbered counter-clockwise."""
+    """Least Jacobian at the nodes relative to diameter^dim; positive if and only if the element is convex and counter-clockwise."""
     n, dim = nodes.shape
     if dim == 1:
         length = nodes[1, 0] - nodes[0, 0]
@@ -108,7 +110,7 @@ def least_jacobian(nodes: Array) -> float:
 
 @njit(cache=True, fastmath={"contract"})
 def depth(nodes: Array, x: Array) -> float:
-    """Least signed distance of x to the sides of a convex element [m], positive inside."""
+    """Least signed distance of x from the sides of a convex element [m]; positive inside."""
     n, dim = nodes.shape
     if dim == 1:
         return min(x[0] - nodes[0, 0], nodes[1, 0] - x[0])
@@ -134,9 +136,10 @@ def search(
     found: NDArray[np.int64],
     local: Array,
 ) -> None:
-    """Set the lowest element that holds each point (P,), -1 if none, and its local coordinates (P, dim).
+    """Set `found` (P,) to the lowest element that contains each point, -1 if none, and `local` (P, dim) to its coordinates there.
 
-    `corners` (E, n, dim) and boxes `lower`, `upper` (E, dim) [m]; `around[first[i]:first[i + 1]]` are the elements at node i.
+    `corners` (E, n, dim) [m] are the nodes of each element, `lower` and `upper` (E, dim) [m] its bounding box;
+    `around[first[i]:first[i + 1]]` are the elements at node i.
     """
     for k in range(len(points)):
         x = points[k]
@@ -145,7 +148,7 @@ def search(
         if guess[k] >= 0:
             for node in nodes[guess[k]]:
                 for e in around[first[node] : first[node + 1]]:
-                    # Deep enough for no other element to claim it: the answer does not depend on the guess.
+                    # So far inside that no other element contains the point: the result does not depend on the guess.
                     if found[k] < 0 and depth(corners[e], x) > 1000 * touching:
                         found[k] = e
         if found[k] < 0:
@@ -161,21 +164,22 @@ def search(
 
 
 def elements_of(coordinates: Array, connectivity: NDArray[np.int64]) -> Array:
-    """Nodal coordinates by element (E, n, dim) [m], each checked."""
+    """Return the nodal coordinates of each element (E, n, dim) [m]; raise a UsageError if an element is degenerate."""
     corners = np.ascontiguousarray(coordinates[connectivity])
     if corners.shape[1:] not in ((2, 1), (4, 2)):
         raise UsageError(
-            f"elements are two-node bars in 1D or four-node quadrilaterals in 2D, not {corners.shape[1:]!r} arrays"
+            f"elements are two-node bars in 1D or four-node quadrilaterals in 2D, not arrays of shape {corners.shape[1:]!r}"
         )
     for e, nodes in enumerate(corners):
         if not least_jacobian(nodes) > FLAT:
-            remedy = "give its nodes in increasing order" if nodes.shape[1] == 1 else "give a convex one, counter-clockwise"
+            bar, quadrilateral = "give its nodes in increasing order", "give a convex one with its nodes counter-clockwise"
+            remedy = bar if nodes.shape[1] == 1 else quadrilateral
             raise UsageError(f"element {e} is degenerate, with nodes at {nodes.tolist()}: {remedy}")
     return corners
 
 
 def inverse_map(nodes: ArrayLike, x: ArrayLike) -> Array:
-    """Local coordinates xi of points, sum_a N_a(xi) x_a = x, by Newton's method.
+    """Return the local coordinates xi of points, sum_a N_a(xi) x_a = x, by Newton's method.
 
     Parameters
     ----------
@@ -187,12 +191,12 @@ def inverse_map(nodes: ArrayLike, x: ArrayLike) -> Array:
     Returns
     -------
     Array
-        xi, shaped as `x` [1]; within [-1, 1] inside the element.
+        xi [1], of the shape of `x`; inside the element every component is in [-1, 1].
 
     Raises
     ------
     UsageError
-        If the element is degenerate, or a point lies where the map has no inverse.
+        If the element is degenerate, or Newton's method does not converge for a point, as where the map has no inverse.
     """
     corners = np.asarray(nodes, dtype=float)
     (corners,) = elements_of(corners, np.arange(len(corners))[None])
@@ -201,7 +205,7 @@ def inverse_map(nodes: ArrayLike, x: ArrayLike) -> Array:
     for point, xi in zip(np.ascontiguousarray(points).reshape(local.shape), local, strict=True):
         if not newton(corners, point, xi):
             raise UsageError(
-                f"the point {point.tolist()} has no local coordinates in the element {corners.tolist()}: give one inside"
+                f"the point {point.tolist()} has no local coordinates in the element {corners.tolist()}: give a point inside"
             )
     return local.reshape(points.shape)
 
@@ -209,38 +213,39 @@ def inverse_map(nodes: ArrayLike, x: ArrayLike) -> Array:
 def find_element(
     coordinates: ArrayLike, connectivity: ArrayLike, points: ArrayLike, guess: ArrayLike | None = None
 ) -> tuple[NDArray[np.int64], Array]:
-    """Find the element that holds each point, and the point's local coordinates there.
+    """Find the element that contains each point, and the point's local coordinates in it.
 
     Parameters
     ----------
     coordinates : ArrayLike
         Nodes of the mesh (n, dim) [m].
     connectivity : ArrayLike
-        Nodes of each element (E, 2) in 1D or (E, 4) in 2D.
+        Node numbers of each element, (E, 2) in 1D or (E, 4) in 2D.
     points : ArrayLike
         Points (P, dim) [m].
     guess : ArrayLike, optional
-        Element of each point a step ago (P,), -1 if unknown: it and its neighbours are tried first. It changes the cost only.
+        Element of each point at the previous step (P,), -1 if unknown. The search tries it and its neighbours first; the result
+        is the same for every guess.
 
     Returns
     -------
     element : NDArray[np.int64]
-        (P,), on a shared edge the lowest of the elements, -1 outside all of them.
+        (P,) element numbers; on a shared edge the lowest one, outside all elements -1.
     local : Array
-        (P, dim) [1], NaN outside.
+        (P, dim) local coordinates [1]; NaN outside all elements.
 
     Raises
     ------
     UsageError
-        If an element is degenerate or names no node, or the arrays do not fit together.
+        If an element is degenerate or has a node number that does not exist, or the shapes of the arrays do not match.
     """
     X, elements, x = np.asarray(coordinates, float), np.ascontiguousarray(connectivity, np.int64), np.asarray(points, float)
     if elements.size and not (elements.min() >= 0 and elements.max() < len(X)):
-        raise UsageError(f"an element names a node outside 0 to {len(X) - 1}")
+        raise UsageError(f"an element has a node number outside 0 to {len(X) - 1}: give numbers of existing nodes")
     corners = elements_of(X, elements)
     start = np.full(len(x), -1) if guess is None else np.asarray(guess, np.int64)
     if x.shape != (len(x), X.shape[1]) or start.shape != (len(x),) or not (start < len(elements)).all():
-        raise UsageError("points are (P, dim) as the nodes are (n, dim), and guesses (P,) name elements or are -1")
+        raise UsageError("points must be (P, dim) where nodes are (n, dim), and guesses (P,) must be element numbers or -1")
     touching = TOUCHING * float(np.ptp(X, axis=0).max() + np.abs(X).max())
     order = np.argsort(elements.ravel(), kind="stable")
     first = np.searchsorted(elements.ravel()[order], np.arange(len(X) + 1))

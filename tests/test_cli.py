@@ -1,4 +1,4 @@
-"""Command line: exit statuses, one sentence for what a user can mend, and nothing heavy before it is needed."""
+"""Command line: exit statuses, error messages of one sentence, and imports on demand."""
 
 import json
 import os
@@ -49,7 +49,7 @@ def call(*arguments, **environment):
 
 @pytest.fixture(autouse=True)
 def nothing_accepted(tmp_path):
-    """Baseline that nobody has accepted anything into yet."""
+    """Baseline without any accepted series."""
     path = tmp_path / "baseline.json"
     Baseline(path).write()
     return path
@@ -67,7 +67,7 @@ def contents(path):
     return {file.relative_to(path): (file.read_bytes(), file.stat().st_mtime_ns) for file in path.rglob("*") if file.is_file()}
 
 
-# Help costs nothing.
+# Help.
 
 
 @pytest.mark.parametrize(
@@ -92,10 +92,10 @@ def test_help_imports_nothing_heavy():
     assert not [name for name in ("numpy", "numba", "xarray", "scipy", "netCDF4", "rich", "jinja2") if f"'{name}'" in loaded]
 
 
-# Exit statuses, each for real.
+# Exit statuses.
 
 
-def test_exit_0_when_everything_holds(tmp_path):
+def test_exit_0_when_every_criterion_passes(tmp_path):
     result = call("run", "scripted", "--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
     assert result.exit_code == 0
     assert "3 runs solved, 0 already at hand." in result.output
@@ -114,22 +114,22 @@ def test_exit_1_when_a_gate_fails(tmp_path):
     assert call("gate", *where).exit_code == 1
 
 
-def test_exit_3_when_a_run_erred_even_beside_a_failure(tmp_path):
+def test_exit_3_when_a_run_ends_in_an_error_even_if_another_fails(tmp_path):
     where = ("--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
     assert call("run", "broken", *where).exit_code == 3
     assert call("gate", *where).exit_code == 3
     assert call("run", "slow", *where).exit_code == 3
     shown = call("gate", "broken", *where).output
-    assert "ZeroDivisionError: a mass of [/zero] at node 3" in " ".join(shown.split()), "text is not taken for markup"
+    assert "ZeroDivisionError: a mass of [/zero] at node 3" in " ".join(shown.split()), "text is not interpreted as markup"
 
 
-def test_exit_4_when_inconclusive_under_strict_alone(out, tmp_path):
+def test_exit_4_when_inconclusive_with_strict_only(out, tmp_path):
     where = ("--out", out, "--baseline", tmp_path / "baseline.json")
     assert call("gate", *where).exit_code == 0
     assert call("gate", "--strict", *where).exit_code == 4
 
 
-def test_an_interrupt_is_no_verdict(tmp_path, monkeypatch):
+def test_an_interrupt_ends_without_a_verdict(tmp_path, monkeypatch):
     def interrupted(tasks, jobs, timeout):
         raise KeyboardInterrupt
 
@@ -139,7 +139,7 @@ def test_an_interrupt_is_no_verdict(tmp_path, monkeypatch):
     assert result.stderr.strip() == "Interrupted: finished runs are kept, run again to go on."
 
 
-# What a user can mend: one sentence, exit status 2.
+# Errors that the user can correct: one sentence, exit status 2.
 
 
 def corrupt_run(out):
@@ -184,7 +184,7 @@ def corrupt_baseline(out):
         (corrupt_baseline, ["run", "gate", "baseline accept"]),
     ],
 )
-def test_a_damaged_file_is_named_and_left_alone(out, tmp_path, damage, commands):
+def test_a_damaged_file_is_named_and_not_changed(out, tmp_path, damage, commands):
     path = damage(out)
     before = path.read_bytes()
     for command in commands:
@@ -255,15 +255,15 @@ def test_bad_input_gets_one_sentence(tmp_path, arguments, part):
 
 
 @pytest.mark.parametrize("name", ["", " ", " results", "\tresults", "x\udcff"])
-def test_a_folder_that_netcdf_would_take_for_another_is_refused(name, tmp_path, monkeypatch):
-    """An empty variable of a shell would write into the folder of the moment, and a blank before a path is dropped."""
+def test_a_folder_name_that_netcdf_would_change_is_refused(name, tmp_path, monkeypatch):
+    """An empty shell variable would name the working folder, and netCDF drops a blank at the start of a path."""
     monkeypatch.chdir(tmp_path)
     for arguments in (("run", "--out", name), ("gate", "--out", name), ("compare", name, "results")):
         assert_one_sentence(call(*arguments), "cannot name a results folder: give a name in UTF-8 that begins with no blank")
     assert [path.name for path in tmp_path.iterdir()] == ["baseline.json"]
 
 
-def test_what_may_not_be_read_is_named(out, tmp_path, monkeypatch):
+def test_a_file_without_permission_is_named(out, tmp_path, monkeypatch):
     def forbidden(path, **_):
         raise PermissionError(13, "Permission denied", str(path))
 
@@ -272,7 +272,7 @@ def test_what_may_not_be_read_is_named(out, tmp_path, monkeypatch):
     assert_one_sentence(call("gate", "--out", out, "--baseline", path), f"cannot use '{path}' (Permission denied)")
 
 
-def test_verdicts_are_shown_where_no_report_can_be_written(tmp_path, monkeypatch):
+def test_verdicts_are_shown_even_if_the_report_cannot_be_written(tmp_path, monkeypatch):
     def foreign(results, fresh=False):
         raise ResultsError("'index.html' is not ours: move it away")
 
@@ -284,7 +284,7 @@ def test_verdicts_are_shown_where_no_report_can_be_written(tmp_path, monkeypatch
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is always full")
-def test_an_output_that_nobody_reads_or_that_is_full_is_no_verdict():
+def test_an_output_that_is_closed_or_full_is_an_error():
     command = [sys.executable, "-m", "mpmverify", "list"]
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
@@ -296,7 +296,7 @@ def test_an_output_that_nobody_reads_or_that_is_full_is_no_verdict():
     assert unread.returncode == 141
 
 
-def test_a_baseline_needs_a_reason_that_says_something(out, tmp_path):
+def test_a_baseline_needs_a_reason_that_is_not_blank(out, tmp_path):
     for reason in ("", "  "):
         result = call("baseline", "accept", "--out", out, "--baseline", tmp_path / "b.json", "--reason", reason)
         assert_one_sentence(result, "--reason must say why the errors may change")
@@ -304,7 +304,7 @@ def test_a_baseline_needs_a_reason_that_says_something(out, tmp_path):
 
 
 @pytest.mark.parametrize("option", ["--junit", "--summary"])
-def test_a_gate_that_cannot_write_names_the_file(out, tmp_path, option):
+def test_a_gate_that_cannot_write_its_summary_names_the_file(out, tmp_path, option):
     for path in (tmp_path / "missing" / "file", out / "scripted.nc" / "file"):
         assert_one_sentence(call("gate", "--out", out, option, path), f"cannot write '{path}' (")
     assert_one_sentence(call("gate", "--out", out, option, tmp_path), str(tmp_path))
@@ -315,7 +315,7 @@ def test_a_baseline_that_cannot_be_written_is_named(out):
     assert_one_sentence(call("baseline", "accept", "--out", out, "--baseline", path, "--reason", "new"), f"'{path}'")
 
 
-def test_unfinished_runs_are_no_baseline(tmp_path):
+def test_a_study_with_unfinished_runs_cannot_be_accepted(tmp_path):
     where = ("--out", tmp_path / "r", "--baseline", tmp_path / "b.json")
     call("run", "broken", "--out", tmp_path / "r")
     assert_one_sentence(
@@ -324,7 +324,7 @@ def test_unfinished_runs_are_no_baseline(tmp_path):
     assert not (tmp_path / "b.json").exists()
 
 
-# What the commands do.
+# Commands.
 
 
 def test_list_names_every_study_case_and_solver():
@@ -356,7 +356,7 @@ def test_courant_changes_every_level(tmp_path):
     assert set(stored["refinement"].values.tolist()) == {"nu_C=0.125"}
 
 
-def test_no_cache_solves_again_and_tier_solves_more(out, tmp_path):
+def test_no_cache_solves_again_and_the_full_tier_solves_more(out, tmp_path):
     where = ("run", "scripted", "--out", out, "--baseline", tmp_path / "baseline.json")
     assert "3 runs solved, 0 already" in call(*where, "--no-cache").output
     assert "1 runs solved, 3 already" in call(*where, "--tier", "full").output
@@ -383,12 +383,12 @@ def test_gate_changes_nothing_and_writes_its_summaries(out, tmp_path):
     assert text.startswith("# Of the job\n## mpmverify: INCONCLUSIVE")
     assert "| scripted-good | INCONCLUSIVE |" in text
     call(*where, "--summary", summary)
-    assert summary.read_text().count("## mpmverify") == 2, "a summary is appended"
+    assert summary.read_text().count("## mpmverify") == 2, "the summary is appended"
     assert call(*where, GITHUB_STEP_SUMMARY="").exit_code == 0
 
 
-def test_only_accepting_writes_a_baseline(out, tmp_path):
-    """Results that became their own baseline would pass whatever they are."""
+def test_only_baseline_accept_writes_a_baseline(out, tmp_path):
+    """Results that became their own baseline would always pass."""
     path = tmp_path / "baseline.json"
     empty = path.read_bytes()
     where = ("--out", out, "--baseline", path)
@@ -403,7 +403,7 @@ def test_only_accepting_writes_a_baseline(out, tmp_path):
     assert path.read_bytes() == before
 
 
-def test_gate_annotates_on_github_alone(tmp_path):
+def test_gate_annotates_on_github_only(tmp_path):
     where = ("--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
     call("run", "slow", "scripted", *where)
     result = call("gate", *where, GITHUB_ACTIONS="true")
@@ -416,7 +416,7 @@ def test_gate_annotates_on_github_alone(tmp_path):
         assert "::error" not in call("gate", *where, GITHUB_ACTIONS=elsewhere).stdout
 
 
-def test_a_summary_that_is_full_is_left_as_it_is(out, tmp_path):
+def test_a_summary_that_would_become_too_long_is_not_changed(out, tmp_path):
     summary = tmp_path / "summary.md"
     summary.write_bytes(b"x" * STEP_SUMMARY)
     result = call("gate", "--out", out, "--baseline", tmp_path / "baseline.json", "--summary", summary)
@@ -425,7 +425,7 @@ def test_a_summary_that_is_full_is_left_as_it_is(out, tmp_path):
     assert summary.read_bytes() == b"x" * STEP_SUMMARY
 
 
-def test_gate_judges_what_is_stored_with_the_baseline_of_now(out, tmp_path):
+def test_gate_judges_stored_results_by_the_present_baseline(out, tmp_path):
     where = ("--out", out, "--baseline", tmp_path / "baseline.json")
     assert call("gate", "scripted", "scripted", *where).output.count("INCONCLUSIVE scripted/hill") == 1
     assert call("baseline", "accept", *where, "--reason", " the first ").output.startswith("Accepted 1 series into")
@@ -442,8 +442,8 @@ def test_gate_judges_what_is_stored_with_the_baseline_of_now(out, tmp_path):
     assert call("gate", *where).exit_code == 1
 
 
-def test_a_part_of_a_study_passes_for_no_whole(tmp_path):
-    """Series of the baseline that were not run are one verdict a study, whether they were left out or got lost."""
+def test_a_study_that_lacks_series_of_its_baseline_is_inconclusive(tmp_path):
+    """There is one verdict per study for all series of the baseline that were not run, for whatever reason."""
     where = ("--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
     call("run", "scripted", *where)
     call("baseline", "accept", *where, "--reason", "the first")
@@ -461,20 +461,20 @@ def test_a_part_of_a_study_passes_for_no_whole(tmp_path):
         assert "(2 of 3 series in all)" in said
     assert call("gate", "--strict", *where).exit_code == 4
     restricted = " ".join(call("run", "scripted", "--courant", "0.25", *where).output.split())
-    assert "2 INCONCLUSIVE, 2 PASS." in restricted, "one for what is new, one for all that was left out"
+    assert "2 INCONCLUSIVE, 2 PASS." in restricted, "one for the new series, one for all missing series"
     assert "(3 of 3 series in all): the run was restricted to Courant number 0.25: run the whole study" in restricted
     stored = json.loads((tmp_path / "r" / "verdicts.json").read_text())["studies"]["scripted"]["findings"]
     assert "(3 of 3 series in all)" in stored[-1]["reason"]
     body["errors"]["scripted"] = {"scripted-good": body["errors"]["scripted"]["scripted-good"]}
     (tmp_path / "baseline.json").write_text(json.dumps(body))
     assert "3 PASS." in call("run", "scripted", *where).output
-    assert "1 INCONCLUSIVE" not in call("gate", *where).output, "what is no longer lacking is no longer said"
+    assert "1 INCONCLUSIVE" not in call("gate", *where).output, "series that are no longer missing are not reported"
 
 
-# What is shown.
+# Output.
 
 
-def test_text_of_a_solver_is_not_taken_for_markup(capsys):
+def test_text_of_a_solver_is_not_interpreted_as_markup(capsys):
     words = (
         "study[b]",
         "case",
@@ -492,7 +492,7 @@ def test_text_of_a_solver_is_not_taken_for_markup(capsys):
         assert word in shown
 
 
-def test_progress_is_plain_where_no_terminal_looks(capsys):
+def test_progress_without_a_terminal_is_plain_text(capsys):
     with Progress() as progress:
         for done in range(3):
             progress.update("scripted", done + 1, 3)
@@ -501,7 +501,7 @@ def test_progress_is_plain_where_no_terminal_looks(capsys):
 
 
 def test_the_installed_command_runs_a_study_and_its_report(tmp_path):
-    """The whole thread once, with worker processes and the real report."""
+    """End to end, with worker processes and the real report."""
     command = [sys.executable, "-m", "mpmverify", "run", "gehojerez-deck", "--jobs", "1", "--out", tmp_path / "r"]
     environment = {name: value for name, value in os.environ.items() if not name.startswith("GITHUB_")}
     done = subprocess.run([*command, "--courant", "0.5"], capture_output=True, text=True, check=False, env=environment)

@@ -1,4 +1,4 @@
-"""The finite element oracle: orders, exact discrete solutions, conservation, stability limits, failure and misuse."""
+"""Finite element reference: orders, exact discrete solutions, conservation, stability limits, failed runs, refused input."""
 
 import math
 from collections.abc import Callable
@@ -51,7 +51,7 @@ def named(solvers: list[FiniteElement]) -> pytest.MarkDecorator:
 
 @dataclass(frozen=True)
 class Pulse:
-    """p(t) = p0 sin^4(pi t / t0) while 0 < t < t0: three continuous derivatives; its integral in closed form."""
+    """p(t) = p0 sin^4(pi t / t0) for 0 < t < t0, with three continuous derivatives, and its integral in closed form."""
 
     p0: float
     t0: float
@@ -86,7 +86,7 @@ def orders(solver: FiniteElement, problem: Problem, exact: dict, cells: list[int
 
 
 def vibration(mode: int = 1, periods: float = 1.46, boundary: dict | None = None) -> tuple[Problem, dict]:
-    """PROBLEMS 4, fixed-fixed: u = v0/(beta c) sin(beta c t) sin(beta x)."""
+    """Axial vibration between fixed ends: u = v0/(beta c) sin(beta c t) sin(beta x)."""
     v0, beta = 0.1, mode * np.pi / L
     initial = {"velocity": lambda X: v0 * np.sin(beta * X)}
     problem = Problem("vibration", (0.0,), (L,), BAR, boundary or FIXED, periods * 2 * L / (mode * C), initial)
@@ -99,7 +99,7 @@ def vibration(mode: int = 1, periods: float = 1.46, boundary: dict | None = None
 
 
 def images(history: Pulse, sign: int) -> dict:
-    """PROBLEMS 2: fixed at x = 0; sign -1: traction p(t) at x = L, sign +1: velocity p(t)/(rho c) there."""
+    """Bar fixed at x = 0, by images: at x = L a traction p(t) for sign -1, a velocity p(t)/(rho c) for sign +1."""
     z = BAR.density * C
 
     def total(p: Callable[[Array], Array], X: Array, t: Array, mirrored: int) -> Array:
@@ -117,7 +117,7 @@ def images(history: Pulse, sign: int) -> dict:
 
 
 def manufactured(G: float) -> tuple[Problem, dict]:
-    """PROBLEMS 5, with nu = 0.3: u = G sin(pi X) sin(c pi t)."""
+    """Manufactured neo-Hookean bar between fixed ends: u = G sin(pi X) sin(c pi t)."""
     law = NeoHookean(youngs_modulus=1e7, density=1000.0, poissons_ratio=0.3)
     lame, mu, c = law.lame_lambda, law.shear_modulus, law.wave_speed
     modulus = law.density * c**2
@@ -175,7 +175,7 @@ def test_quadratic_elements_are_of_third_order_in_space(solver: FiniteElement, p
 @pytest.mark.parametrize(
     ("problem", "exact"), [(LOADED, images(PULSE, -1)), (DRIVEN, images(PULSE, 1))], ids=["traction", "velocity"]
 )
-def test_linear_elements_carry_a_pulse_from_an_end_at_second_order(
+def test_linear_elements_are_of_second_order_for_a_pulse_from_an_end(
     solver: FiniteElement, problem: Problem, exact: dict
 ) -> None:
     measured = orders(solver, problem, exact, [64, 128, 256], 0.5)
@@ -184,7 +184,7 @@ def test_linear_elements_carry_a_pulse_from_an_end_at_second_order(
 
 
 @named(EXPLICIT)
-def test_manufactured_neo_hookean_bar(solver: FiniteElement) -> None:
+def test_declared_orders_hold_for_the_neo_hookean_bar(solver: FiniteElement) -> None:
     problem, exact = manufactured(G=0.05)
     measured = orders(solver, problem, exact, [16, 32, 64], 0.2, rate=0.5 if solver.degree == 2 else 0.0)
     for quantity, order in solver.space_orders.items():
@@ -193,7 +193,7 @@ def test_manufactured_neo_hookean_bar(solver: FiniteElement) -> None:
 
 @pytest.mark.parametrize("boundary", [FIXED, FREE, {"x-": Velocity(), "x+": Traction()}], ids=["fixed", "free", "fixed-free"])
 @named([solver for solver in ALL if solver.integrator == "newmark"])
-def test_average_acceleration_keeps_the_energy_of_an_unloaded_bar(solver: FiniteElement, boundary: dict) -> None:
+def test_average_acceleration_conserves_the_energy_of_an_unloaded_bar(solver: FiniteElement, boundary: dict) -> None:
     problem, _ = vibration(3, boundary=boundary)
     h = solver.solve(problem, Discretisation(L / 32, 0.7)).histories
     energy = h["kinetic_energy"] + h["strain_energy"]
@@ -202,7 +202,7 @@ def test_average_acceleration_keeps_the_energy_of_an_unloaded_bar(solver: Finite
 
 @named([solver for solver in ALL if solver.integrator == "newmark"])
 @pytest.mark.parametrize("problem", [LOADED, DRIVEN], ids=lambda problem: problem.name)
-def test_average_acceleration_closes_the_balance_of_energy_under_load(solver: FiniteElement, problem: Problem) -> None:
+def test_average_acceleration_balances_energy_and_work_under_load(solver: FiniteElement, problem: Problem) -> None:
     h = solver.solve(problem, Discretisation(L / 32, 0.7)).histories
     energy = h["kinetic_energy"] + h["strain_energy"]
     assert energy.max() > 0
@@ -210,7 +210,7 @@ def test_average_acceleration_closes_the_balance_of_energy_under_load(solver: Fi
 
 
 @named(EXPLICIT)
-def test_central_differences_balance_energy_at_second_order(solver: FiniteElement) -> None:
+def test_the_energy_error_of_central_differences_is_of_second_order(solver: FiniteElement) -> None:
     problem, _ = manufactured(G=0.05)
     defects = []
     for courant in (0.2, 0.1):
@@ -221,7 +221,7 @@ def test_central_differences_balance_energy_at_second_order(solver: FiniteElemen
 
 @named(ALL)
 @pytest.mark.parametrize("problem", [LOADED, DRIVEN, vibration(1, boundary=FREE)[0]], ids=lambda problem: problem.name)
-def test_mass_and_momentum(solver: FiniteElement, problem: Problem) -> None:
+def test_mass_is_constant_and_momentum_changes_by_the_impulse(solver: FiniteElement, problem: Problem) -> None:
     h = solver.solve(problem, Discretisation(L / 64, 0.25)).histories
     np.testing.assert_allclose(h["mass"], BAR.density * L, rtol=1e-13)
     scale = np.abs(h["momentum"]).max()
@@ -230,7 +230,7 @@ def test_mass_and_momentum(solver: FiniteElement, problem: Problem) -> None:
 
 
 @named(EXPLICIT)
-def test_momentum_of_the_neo_hookean_bar_under_body_force(solver: FiniteElement) -> None:
+def test_momentum_of_a_neo_hookean_bar_under_body_force_changes_by_the_impulse(solver: FiniteElement) -> None:
     h = solver.solve(manufactured(G=0.05)[0], Discretisation(1 / 32, 0.2)).histories
     np.testing.assert_allclose(h["momentum"] - h["momentum"][0], h["impulse"], atol=1e-12 * np.abs(h["momentum"]).max())
 
@@ -240,7 +240,7 @@ def test_momentum_of_the_neo_hookean_bar_under_body_force(solver: FiniteElement)
     [*((solver, BAR) for solver in ALL), *((solver, NEO) for solver in EXPLICIT)],
     ids=lambda value: getattr(value, "name", type(value).__name__),
 )
-def test_patch_uniform_strain_stays_in_equilibrium(solver: FiniteElement, law: LinearElastic) -> None:
+def test_patch_test_a_uniform_strain_stays_in_equilibrium(solver: FiniteElement, law: LinearElastic) -> None:
     strain, F = 0.1, 1.1
     stretched = law.lame_lambda * math.log(F) / F + law.shear_modulus * (F - 1 / F)
     p = stretched if isinstance(law, NeoHookean) else law.youngs_modulus * strain
@@ -256,7 +256,7 @@ def test_patch_uniform_strain_stays_in_equilibrium(solver: FiniteElement, law: L
 
 
 @named(ALL)
-def test_a_pulled_free_bar_accelerates_as_newton_says(solver: FiniteElement) -> None:
+def test_a_free_bar_gains_the_momentum_of_its_end_loads(solver: FiniteElement) -> None:
     boundary = {"x-": Traction(Constant(0.5)), "x+": Traction(Constant(2.0))}
     problem = Problem("pulled", (0.0,), (L,), BAR, boundary, 5.0)
     h = solver.solve(problem, Discretisation(L / 16, 0.25)).histories
@@ -282,7 +282,7 @@ def test_linear_elements_obey_their_dispersion_relation(solver: FiniteElement, m
 
 
 def test_lumped_linear_elements_translate_exactly_at_courant_one() -> None:
-    """D'Alembert at the nodes, reflections at the fixed ends included, whatever the data."""
+    """For random data the nodes follow d'Alembert's solution, reflections at the fixed ends included."""
     cells = 20
     nodes = np.linspace(0, L, cells + 1)
     start = np.concatenate([[0], np.random.default_rng(1).standard_normal(cells - 1), [0]])
@@ -319,7 +319,7 @@ def test_average_acceleration_is_stable_at_any_step() -> None:
     assert FiniteElement(2, "consistent", "newmark").solve(problem, Discretisation(L / 32, 50.0)).outcome.completed
 
 
-def test_a_resonant_load_is_not_taken_for_instability() -> None:
+def test_growth_under_a_resonant_load_does_not_count_as_instability() -> None:
     @dataclass(frozen=True)
     class Beat:
         def __call__(self, t: Array) -> Array:
@@ -335,20 +335,20 @@ def test_a_resonant_load_is_not_taken_for_instability() -> None:
 
 
 @named(ALL)
-def test_nothing_comes_of_nothing(solver: FiniteElement) -> None:
+def test_a_bar_at_rest_without_load_stays_at_rest(solver: FiniteElement) -> None:
     solution = solver.solve(Problem("rest", (0.0,), (L,), BAR, FIXED, 1.0), Discretisation(L / 4, 0.2))
     assert solution.outcome.completed
     assert not any(field.any() for field in solution.fields.values())
 
 
 @named(EXPLICIT)
-def test_a_rigid_displacement_is_no_instability(solver: FiniteElement) -> None:
+def test_a_large_rigid_displacement_does_not_count_as_instability(solver: FiniteElement) -> None:
     problem = Problem("shifted", (0.0,), (L,), BAR, FREE, 100.0, {"displacement": lambda X: np.full(X.shape, 1e6 / 3)})
     assert solver.solve(problem, Discretisation(L / 32, 0.2)).outcome.completed
 
 
 @named(EXPLICIT)
-def test_an_inverted_element_is_non_finite(solver: FiniteElement) -> None:
+def test_an_inverted_element_is_a_non_finite_outcome(solver: FiniteElement) -> None:
     initial = {"velocity": lambda X: -30.0 * np.sign(X - L / 2)}
     solution = solver.solve(Problem("crush", (0.0,), (L,), NEO, FREE, 2.0, initial), Discretisation(L / 33, 0.2))
     assert solution.outcome.status is Status.NON_FINITE
@@ -357,7 +357,7 @@ def test_an_inverted_element_is_non_finite(solver: FiniteElement) -> None:
     assert len(solution.time) >= 1
 
 
-def test_data_that_are_not_numbers_are_non_finite() -> None:
+def test_nan_in_the_initial_data_is_a_non_finite_outcome() -> None:
     problem = Problem("nan", (0.0,), (L,), BAR, FREE, 1.0, {"velocity": lambda X: np.full(X.shape, np.nan)})
     solution = P1.solve(problem, Discretisation(L / 4, 0.2))
     assert solution.outcome.status is Status.NON_FINITE
@@ -365,7 +365,7 @@ def test_data_that_are_not_numbers_are_non_finite() -> None:
     assert len(solution.time) == len(solution.histories["time"]) == solution.work.steps == 0
 
 
-def test_shapes_weights_and_work() -> None:
+def test_shapes_weights_and_work_of_a_solution() -> None:
     problem, _ = manufactured(G=0.05)
     for solver, count in ((P1, 3), (P2, 4)):
         solution = solver.solve(problem, Discretisation(1 / 8, 0.2))
@@ -379,7 +379,7 @@ def test_shapes_weights_and_work() -> None:
         assert solution.work.point_steps == 8 * N
 
 
-def test_blocks_of_the_body_force_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_evaluating_the_body_force_in_blocks_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     problem, _ = manufactured(G=0.05)
     whole = P2.solve(problem, Discretisation(1 / 8, 0.2))
     monkeypatch.setattr("mpmverify.solvers.fem.solver.BLOCK", 100)
@@ -387,7 +387,7 @@ def test_blocks_of_the_body_force_change_nothing(monkeypatch: pytest.MonkeyPatch
     np.testing.assert_allclose(parts.fields["stress"], whole.fields["stress"], rtol=1e-12, atol=1e-6)
 
 
-def test_names_tell_the_solvers_apart() -> None:
+def test_names_are_unique() -> None:
     assert len({solver.name for solver in ALL}) == len(ALL)
     assert P1_LUMPED.name == "fem-p1-lumped-cd"
     assert FiniteElement(2, integrator="newmark").name == "fem-p2-consistent-newmark"
@@ -396,7 +396,7 @@ def test_names_tell_the_solvers_apart() -> None:
 @pytest.mark.parametrize(
     ("choice", "message"), [({"degree": 3}, "degree"), ({"mass": "diagonal"}, "mass"), ({"integrator": "euler"}, "integrator")]
 )
-def test_unknown_choices(choice: dict, message: str) -> None:
+def test_an_unknown_parameter_value_is_refused(choice: dict, message: str) -> None:
     with pytest.raises(UsageError, match=f"the {message} is one of"):
         FiniteElement(**choice)
 
@@ -409,15 +409,15 @@ def test_unknown_choices(choice: dict, message: str) -> None:
         (P1, Problem("carried", (0.0,), (1.0,), Transport(1.0), FREE, 1.0), "neo-Hookean bar"),
         (FiniteElement(1, "lumped", "newmark"), Problem("large", (0.0,), (1.0,), NEO, FREE, 1.0), "linear elastic bar"),
         (P2, Problem("open", (0.0,), (1.0,), BAR, {"x-": Absorbing(), "x+": Traction()}, 1.0), "fixed or driven end"),
-        (P2, Problem("stressed", (0.0,), (1.0,), BAR, FREE, 1.0, {"stress": np.ones_like}), "initial stress only beside"),
+        (P2, Problem("stressed", (0.0,), (1.0,), BAR, FREE, 1.0, {"stress": np.ones_like}), "initial stress only together"),
     ],
     ids=lambda value: getattr(value, "name", ""),
 )
-def test_misuse(solver: FiniteElement, problem: Problem, message: str) -> None:
+def test_a_problem_that_the_solver_cannot_take_is_refused(solver: FiniteElement, problem: Problem, message: str) -> None:
     with pytest.raises(UsageError, match=message):
         solver.solve(problem, Discretisation(0.25, 0.5))
 
 
-def test_an_initial_stress_of_zero_is_no_misuse() -> None:
+def test_an_initial_stress_of_zero_is_accepted() -> None:
     problem = Problem("calm", (0.0,), (1.0,), BAR, FREE, 0.1, {"stress": np.zeros_like})
     assert P1.solve(problem, Discretisation(0.25, 0.5)).outcome.completed

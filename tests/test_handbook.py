@@ -17,8 +17,6 @@ from handbook import PAGES, ROOT, blocks, prose, text
 
 from mpmverify import cli
 
-AWAITED = {"tracing.md"}
-"""Pages that are linked before they are there."""
 NAMES = [page.relative_to(ROOT).as_posix() for page in PAGES]
 INSTALLS = re.compile(r"python -m pip install --quiet -e [\"']?\.(?:\[(\w+)\])?[\"']?")
 
@@ -159,9 +157,6 @@ def links(page: Path) -> list[str]:
 def test_links_lead_somewhere(page):
     for link in links(page):
         target, _, anchor = link.partition("#")
-        if target in AWAITED:
-            assert not (page.parent / target).exists(), f"{target} is there: await it no longer"
-            continue
         found = (page.parent / target).resolve() if target else page
         assert found.is_relative_to(ROOT), f"{link} is not relative to this project"
         assert found.is_file(), f"{link} leads nowhere"

@@ -1,4 +1,4 @@
-"""Layout and direction of imports: what the design promises about the shape of the code, read from the code."""
+"""Layout of the repository and direction of imports, read from the source."""
 
 import ast
 import re
@@ -19,7 +19,7 @@ MAPPED = {
     "mpmverify.studies": "studies",
     "mpmverify.reports": "reports",
 }
-"""Folder of each part of the one import namespace."""
+"""Folder of each package of the import namespace `mpmverify`."""
 ROOMS = (
     "errors",
     "atomic",
@@ -38,19 +38,19 @@ ROOMS = (
     "pytest_plugin",
     "__main__",
 )
-"""Rooms of the core, from the ground up: a room imports itself and what stands before it."""
+"""Rooms of the core from the ground up: a room imports itself and the rooms before it only."""
 MODULES_OF_THEIR_OWN = {"errors", "atomic", "solution", "study", "pytest_plugin", "__main__"}
-"""Rooms that are one module; every other one is a package."""
+"""Rooms that are one module; every other room is a package."""
 
 
 @cache
 def tracked() -> tuple[str, ...]:
-    """Files that git tracks, or would when asked to add all."""
+    """Files that git tracks or that `git add --all` would add."""
     command = ["git", "-C", str(ROOT), "ls-files", "--cached", "--others", "--exclude-standard"]
     try:
         listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split("\n")
     except (OSError, subprocess.CalledProcessError):
-        pytest.skip("not in a git checkout: the layout is that of the repository")
+        pytest.skip("needs a git checkout: the tracked files are tested")
     return tuple(sorted(name for name in set(listed) if name and (ROOT / name).is_file()))
 
 
@@ -68,7 +68,7 @@ MODULES = modules()
 
 
 def imports(module: str) -> set[str]:
-    """Absolute names that a module imports anywhere in its source: modules, or attributes of modules where nobody can tell."""
+    """Absolute names that a module imports anywhere in its source; outside of mpmverify a name may be an attribute of a module."""
     path = MODULES[module]
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     names = set()
@@ -83,12 +83,12 @@ def imports(module: str) -> set[str]:
 
 
 def part(module: str) -> str:
-    """Return the mapped folder that a module lies in."""
+    """Return the folder that contains a module."""
     return next(folder for package, folder in reversed(MAPPED.items()) if f"{module}.".startswith(f"{package}."))
 
 
 def core_imports(module: str) -> set[str]:
-    """Names of the modules and packages of the core that a module imports: "problem", "dataset"; "" is the package itself."""
+    """Rooms of the core that a module imports, such as "problem"; "" stands for the package `mpmverify` itself."""
     mine = {name for name in imports(module) if name.partition(".")[0] == "mpmverify" and part(name) == "mpmverify"}
     return {name.removeprefix("mpmverify").removeprefix(".").partition(".")[0] for name in mine}
 
@@ -117,7 +117,7 @@ def test_every_package_is_listed():
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """Names in the wheel of the tracked files, which is built in a copy: a build folder would leak into the next wheel."""
+    """Names of the files in a wheel built from a copy of the tracked files; in place, an old build folder would add its files."""
     copy, out = tmp_path_factory.mktemp("copy"), tmp_path_factory.mktemp("wheel")
     for name in tracked():
         target = copy / name
@@ -137,7 +137,7 @@ def wheel(tmp_path_factory):
         return set(archive.namelist())
 
 
-def test_the_wheel_holds_the_tracked_files_and_its_metadata_alone(wheel):
+def test_the_wheel_has_the_tracked_files_and_its_metadata_only(wheel):
     expected = set()
     for name in tracked():
         folder, _, rest = name.partition("/")
@@ -149,15 +149,15 @@ def test_the_wheel_holds_the_tracked_files_and_its_metadata_alone(wheel):
     assert "mpmverify/py.typed" in installed
 
 
-def test_no_folder_is_a_package_of_its_own(tmp_path, monkeypatch):
-    """A user has folders of these names too."""
+def test_no_folder_is_a_top_level_package(tmp_path, monkeypatch):
+    """They would clash with a user's folders of the same names."""
     monkeypatch.setattr(sys, "path", [entry for entry in sys.path if entry and Path(entry).resolve() != ROOT])
     monkeypatch.chdir(tmp_path)
     assert [name for name in ("solvers", "studies", "reports") if find_spec(name)] == []
 
 
 @pytest.mark.parametrize("module", [*MODULES, *(path.stem for path in sorted((ROOT / "tests").glob("*.py")))])
-def test_nobody_imports_a_folder_bare(module):
+def test_no_module_imports_a_folder_as_a_top_level_package(module):
     path = MODULES.get(module, ROOT / "tests" / f"{module}.py")
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
@@ -167,7 +167,7 @@ def test_nobody_imports_a_folder_bare(module):
 
 
 def test_inside_a_mapped_folder_siblings_are_imported_relatively():
-    """Type checkers then need no mapping."""
+    """So that type checkers need no mapping of folders to packages."""
     for folder in ("solvers", "studies", "reports"):
         for module in of(folder):
             for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
@@ -188,8 +188,8 @@ def test_no_module_is_longer_than_three_hundred_lines():
 # Direction of imports.
 
 
-def test_the_reader_of_imports_sees_them():
-    """Otherwise what follows would hold of any code."""
+def test_imports_are_found_in_the_source():
+    """Otherwise the following tests would pass for any code."""
     expected = {"mpmverify.execution.keys", "mpmverify.execution.processes", "mpmverify.judgement.judging"}
     assert expected <= imports("mpmverify.execution.runner")
     reading = core_imports("mpmverify.cli.judging")
@@ -205,13 +205,13 @@ def test_every_module_of_the_core_is_in_a_room():
 
 
 @pytest.mark.parametrize("room", [*sorted(set(ROOMS) - MODULES_OF_THEIR_OWN), *list(MAPPED)[1:]])
-def test_every_room_says_what_belongs_there_and_what_not(room):
+def test_the_docstring_of_every_room_is_a_paragraph(room):
     module = room if room in MAPPED else f"mpmverify.{room}"
     words = ast.get_docstring(ast.parse(MODULES[module].read_text(encoding="utf-8"))) or ""
     assert len(words.split()) >= 25, module
 
 
-def test_the_core_imports_downward_alone():
+def test_a_room_imports_lower_rooms_only():
     rank = {room: place for place, room in enumerate(ROOMS)} | {"": -1}
     upward = []
     for module in of("mpmverify"):
@@ -221,23 +221,23 @@ def test_the_core_imports_downward_alone():
     assert upward == []
 
 
-def test_the_analysis_of_errors_has_no_solver_near():
+def test_convergence_imports_the_errors_only():
     for module in of("mpmverify"):
         if f"{module}.".startswith("mpmverify.convergence."):
             assert core_imports(module) <= {"errors", "convergence"}, module
 
 
-def test_no_modules_of_the_core_import_one_another_in_a_circle():
+def test_the_imports_of_the_core_have_no_cycle():
     edges = {module: {name for name in imports(module) if name in MODULES and name != module} for module in of("mpmverify")}
-    # A package holds its modules together: importing one runs its __init__, which may name the others.
+    # A module may import from its package, whose __init__ runs first and may import the other modules.
     edges = {module: {name for name in names if not module.startswith(f"{name}.")} for module, names in edges.items()}
     while edges:
         free = {module for module, names in edges.items() if not names & edges.keys()}
-        assert free, f"a circle among {sorted(edges)}"
+        assert free, f"a cycle among {sorted(edges)}"
         edges = {module: names for module, names in edges.items() if module not in free}
 
 
-def test_the_core_imports_no_solver_study_or_page_but_in_the_command_line_and_the_plugin():
+def test_only_the_command_line_and_the_plugin_import_solvers_studies_and_reports():
     for module in of("mpmverify"):
         if module.removeprefix("mpmverify").strip(".").partition(".")[0] not in ("cli", "pytest_plugin", "__main__"):
             outside = {name for name in imports(module) if name in MODULES and part(name) != "mpmverify"}
@@ -245,13 +245,13 @@ def test_the_core_imports_no_solver_study_or_page_but_in_the_command_line_and_th
 
 
 @pytest.mark.parametrize("module", of("solvers"))
-def test_a_solver_never_sees_its_answer(module):
+def test_a_solver_imports_neither_exact_solutions_nor_files(module):
     assert core_imports(module) <= {"errors", "problem", "solution"}
     assert {part(name) for name in imports(module) if name in MODULES} <= {"mpmverify", "solvers"}
     assert not {name.partition(".")[0] for name in imports(module)} & {"xarray", "netCDF4"}
 
 
-def test_the_reference_shares_no_kernel_and_alone_imports_skfem():
+def test_only_the_finite_elements_import_skfem_and_they_share_no_kernel():
     fem = {module for module in of("solvers") if module.startswith("mpmverify.solvers.fem")}
     assert fem
     users = {module for module in MODULES if any(name.partition(".")[0] == "skfem" for name in imports(module))}
@@ -263,29 +263,29 @@ def test_the_reference_shares_no_kernel_and_alone_imports_skfem():
             assert all((name in fem) == (module in fem) for name in siblings), module
 
 
-def test_one_package_alone_imports_llvmlite_and_the_inside_of_numba():
-    """All tracked files of the mapped folders are asked, a reader of their text, which sees a late import, too."""
-    inside = re.compile(r"\b(llvmlite|numba\.core)\b|\bfrom\s+numba\s+import\b.*\bcore\b")
+def test_only_the_tracing_compiler_imports_llvmlite_and_the_internals_of_numba():
+    """The text of all tracked files is searched, which also finds imports inside functions."""
+    internals = re.compile(r"\b(llvmlite|numba\.core)\b|\bfrom\s+numba\s+import\b.*\bcore\b")
     paths = [name for name in tracked() if name.endswith(".py") and name.partition("/")[0] in MAPPED.values()]
-    users = {name for name in paths if inside.search((ROOT / name).read_text(encoding="utf-8"))}
+    users = {name for name in paths if internals.search((ROOT / name).read_text(encoding="utf-8"))}
     assert users
     assert {name.rpartition("/")[0] for name in users} == {"solvers/tracing"}
 
 
 @pytest.mark.parametrize("module", of("reports"))
-def test_a_report_is_made_from_stored_results_alone(module):
+def test_reports_import_neither_solvers_nor_studies_nor_exact_solutions(module):
     assert core_imports(module) <= {"", "atomic", "errors", "dataset", "convergence", "judgement"}
     assert {part(name) for name in imports(module) if name in MODULES} <= {"mpmverify", "reports"}
 
 
-def test_templates_are_rendered_in_one_module():
+def test_one_module_renders_templates():
     users = {module for module in MODULES if any(name.partition(".")[0] == "jinja2" for name in imports(module))}
     assert len(users) == 1
     assert {part(module) for module in users} == {"reports"}
 
 
 def loaded_by(*arguments):
-    """Top-level packages that are loaded when a command has run, in a process of its own."""
+    """Third-party packages that are loaded after a command has run in a new process."""
     run = f"from mpmverify.cli import cli; cli({list(arguments)!r}, standalone_mode=False)"
     show = "import sys; print('loaded', *sorted({name.partition('.')[0] for name in sys.modules}))"
     code = f"try:\n    {run}\nexcept SystemExit:\n    pass\n{show}"
@@ -293,11 +293,11 @@ def loaded_by(*arguments):
     return set(done.stdout.rpartition("\nloaded ")[2].split()) - set(sys.stdlib_module_names)
 
 
-def test_help_pays_for_click_alone():
+def test_help_loads_click_only():
     assert {name for name in loaded_by("--help") if not name.startswith(("_", "sitecustomize"))} == {"click", "mpmverify"}
 
 
-def test_judging_a_table_pays_for_no_solver_and_no_files_of_results(tmp_path):
+def test_judging_a_table_loads_neither_solvers_nor_netcdf(tmp_path):
     (tmp_path / "errors.csv").write_text("h,error\n0.1,1e-2\n0.05,2.5e-3\n0.025,6e-4\n", encoding="utf-8")
     loaded = loaded_by("judge", str(tmp_path / "errors.csv"))
     assert {"mpmverify", "numpy"} <= loaded

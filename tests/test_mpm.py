@@ -79,7 +79,7 @@ def test_published_total_lagrangian_errors():
 @pytest.mark.parametrize("formulation", ["updated", "total"])
 @pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
 @pytest.mark.parametrize("problem", [manufactured(1e-4), axial_vibration(v0=1e-4)], ids=["manufactured", "vibration"])
-def test_flip_keeps_its_formal_orders_while_no_particle_crosses_a_cell(problem, schedule, formulation, basis):
+def test_flip_has_its_formal_orders_without_cell_crossing(problem, schedule, formulation, basis):
     variant = MaterialPoint(schedule, FLIP, basis, formulation)
     for quantity, formal in variant.orders.items():
         margin = 0.1 if formal == 2 else 0.55
@@ -100,7 +100,7 @@ def test_pic_damps_at_first_order(formulation):
 
 @pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
 @pytest.mark.parametrize("transfer", [xpic(2), xpic(3), fmpm(2), fmpm(3)], ids=lambda transfer: transfer.name)
-def test_a_second_term_takes_back_what_pic_damps_at_first_order(transfer, schedule):
+def test_xpic_and_fmpm_from_order_2_have_no_damping_of_first_order(transfer, schedule):
     variant = MaterialPoint(schedule, transfer, formulation="total")
     for quantity in ("displacement", "velocity"):
         found = series(axial_vibration(v0=1e-4), variant, (32, 64, 128), quantity=quantity)
@@ -117,7 +117,7 @@ def test_the_orders_of_aflip(basis, schedule):
 
 
 @pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
-def test_a_series_of_one_term_is_pic(schedule):
+def test_xpic_and_fmpm_of_order_1_are_pic(schedule):
     problem, at = axial_vibration(v0=1e-2).problem, Discretisation(25 / 16, 0.3, 2)
     expected = MaterialPoint(schedule, PIC).solve(problem, at).arrays()
     for transfer in (xpic(1), fmpm(1)):
@@ -137,7 +137,7 @@ def test_what_a_held_node_takes_from_a_series_is_impulse(basis, transfer, schedu
 
 
 @pytest.mark.parametrize(("make", "order"), [(xpic, 0), (fmpm, 0), (fmpm, 1.5)])
-def test_a_series_has_a_term_or_more(make, order):
+def test_an_order_of_xpic_or_fmpm_below_1_is_refused(make, order):
     with pytest.raises(UsageError, match="one term or more"):
         make(order)
     with pytest.raises(UsageError, match="between 0"):
@@ -152,8 +152,8 @@ def test_crossing_stalls_the_updated_hat_but_neither_the_spline_nor_the_total_la
         assert np.all(orders(series(problem, MaterialPoint(basis=basis, formulation="total"), cells)) > 1.85)
 
 
-def test_domains_that_stretch_keep_second_order_when_particles_cross_cells_and_those_that_do_not_lose_it():
-    """Of domains that keep their size the sum has gaps and overlaps."""
+def test_with_cell_crossing_cpgimp_is_of_second_order_and_ugimp_is_not():
+    """The domains of uGIMP keep their size, so that in a stretched body they leave gaps or overlap."""
     problem, cells = manufactured(0.05), (8, 16, 32)
     for basis in ("cpgimp", "cpdi"):
         assert np.all(orders(series(problem, MaterialPoint("USL", basis=basis), cells)) > 1.9)
@@ -259,7 +259,7 @@ def test_usf_and_musl_coincide_on_frozen_functions_and_usl_dissipates():
 
 
 @pytest.mark.parametrize(("schedule", "limit"), [("USL", 0.5**0.5), ("USF", 2.0), ("MUSL", 2.0)])
-def test_von_neumann_limit_of_one_centred_particle_per_cell(schedule, limit):
+def test_the_stability_limit_of_one_centred_particle_per_cell_is_that_of_von_neumann(schedule, limit):
     cells, steps = 100, 2000
     random = np.random.default_rng(2).normal(size=(cells, 1)) * 1e-3
 
@@ -334,7 +334,7 @@ def test_blocks_of_body_force_do_not_change_the_result(monkeypatch):
     assert all(np.array_equal(whole.histories[name], parts.histories[name]) for name in whole.histories)
 
 
-def test_an_energy_that_is_given_late_is_no_instability():
+def test_energy_from_a_late_load_does_not_count_as_instability():
     late = Traction(SmoothPulse(1e-3, 5.0, 0.05))
     assert MaterialPoint(formulation="total").solve(bar(right=late, end_time=9.0), Discretisation(1.0, 0.5)).outcome.completed
 
@@ -425,7 +425,7 @@ def square(velocity, condition=FIXED):
 
 
 @pytest.mark.parametrize("many", [np.inf, 0], ids=["serial", "threads"])
-def test_what_fails_in_a_strip_is_told(many, monkeypatch):
+def test_a_failure_in_a_strip_is_the_outcome(many, monkeypatch):
     monkeypatch.setattr(solver, "MANY", many)
     outcome = MaterialPoint("MUSL").solve(square(lambda X: 100 * Swirl()(X)), Discretisation(1 / 40, 0.3, 2)).outcome
     assert outcome.detail.endswith("a particle's deformation gradient reached zero")
@@ -485,7 +485,7 @@ def test_histories_of_every_few_steps_are_those_of_all_and_hold_the_first_and_th
         assert np.array_equal(some.fields[name], values), name
 
 
-def test_a_run_that_is_not_recorded_when_it_fails_keeps_what_was():
+def test_a_failed_run_keeps_its_earlier_records():
     problem = replace(axial_vibration(v0=1e-2).problem, end_time=200.0)
     for formulation, status in (("updated", Status.NON_FINITE), ("total", Status.UNSTABLE)):
         variant = MaterialPoint("USL", formulation=formulation, record_every=50)
@@ -496,6 +496,6 @@ def test_a_run_that_is_not_recorded_when_it_fails_keeps_what_was():
 
 
 @pytest.mark.parametrize("every", [0, -1, 2.0, "all"])
-def test_a_number_of_steps_between_records_that_is_none_is_refused(every):
+def test_an_invalid_record_every_is_refused(every):
     with pytest.raises(UsageError, match="every"):
         MaterialPoint(record_every=every)

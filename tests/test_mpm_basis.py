@@ -1,4 +1,4 @@
-"""Properties of the basis along an axis that hold for every degree, clamped and periodic, the end cells included."""
+"""Basis functions: properties along an axis for every degree, clamped and periodic, and of every basis in 1D, 2D and 3D."""
 
 import itertools
 
@@ -89,8 +89,8 @@ def test_a_periodic_basis_repeats_itself_from_cell_to_cell(cells, degree, xi):
 
 
 @given(axes, st.tuples(st.floats(0, 1), st.floats(0, 1)).map(sorted))
-def test_integrals_are_those_of_a_fine_quadrature(choices, part):
-    """Over any part of the axis."""
+def test_integrals_over_any_part_of_the_axis_are_exact(choices, part):
+    """Compared with Gauss quadrature in each cell."""
     cells, degree, periodic = choices
     a, b = (cells * end for end in part)
     points, weights = np.polynomial.legendre.leggauss(4)
@@ -99,14 +99,14 @@ def test_integrals_are_those_of_a_fine_quadrature(choices, part):
         low, high = np.clip((a, b), cell, cell + 1)
         for s, weight in zip(low + (high - low) * (points + 1) / 2, (high - low) * weights / 2, strict=True):
             expected += H * weight * functions(choices, s / cells)[0]
-    if periodic:  # each ghost lies over the function that it repeats, several times where the axis is short
+    if periodic:  # add each ghost to the function that it repeats; on a short axis a function has several ghosts
         np.add.at(expected, np.arange(cells, cells + degree) % cells, expected[cells:])
     own, found = slice(cells if periodic else None), axis(choices)[0]
     assert integrals(found, H, found.lower + H * a, found.lower + H * b)[own] == pytest.approx(expected[own], abs=1e-14)
 
 
 @given(axes, st.floats(0, 1, exclude_max=True))
-def test_moments_have_no_sum_and_the_moment_of_inertia(choices, xi):
+def test_first_moments_sum_to_zero_and_give_the_moment_of_inertia(choices, xi):
     found, grid = axis(choices)
     s = found.cells // 2 + xi
     first, N, _ = along(grid, s)
@@ -118,13 +118,13 @@ def test_moments_have_no_sum_and_the_moment_of_inertia(choices, xi):
 
 
 @pytest.mark.parametrize(("degree", "inertia"), [(2, 1 / 4), (3, 1 / 3)])
-def test_inside_the_moment_of_inertia_is_that_of_the_spline(degree, inertia):
+def test_in_inner_cells_the_moment_of_inertia_is_that_of_a_uniform_spline(degree, inertia):
     _, grid = axis((9, degree, True))
     for s in (4.0, 4.3, 4.99):
         assert moment_along(grid, s)[1] == pytest.approx(inertia)
 
 
-# All bases, in one, two and three dimensions, through what the passes call.
+# All bases in one, two and three dimensions, by the functions that the transfer passes call.
 
 CELLS = 4
 
@@ -135,24 +135,24 @@ def body(dimension, face):
 
 
 def particle(basis, dimension, place, F, face=None):
-    """Scheme, grid, a particle at a place (d,) from 0 to 1 along the box, with a deformation gradient (d, d), and the nodes' places."""
+    """Scheme, grid, one particle with deformation gradient F (d, d) at `place` (d,) in units of the box, and node positions."""
     variant, problem = MaterialPoint(basis=basis), body(dimension, face or Traction(Constant(0.0)))
     X = LOWER + CELLS * H * np.array([place], dtype=float)
     particles = variant._particles(problem, X, np.ones(1))
-    if particles.F.shape[1] == np.size(F):  # but for a basis that asks for J alone, of no effect
+    if particles.F.shape[1] == np.size(F):  # a basis that needs J only is not affected by F
         particles.F[0] = np.ravel(F)
     axes, at = variant._axes(problem, Discretisation(H, 0.3, 2)), Discretisation(H, 0.3, 2)
     return variant._scheme(problem), variant._grid(axes, at), particles, node_positions(axes)
 
 
 OF_THEIR_OWN = [name for name in BASES if not name.startswith("tls")]
-"""Taylor least squares has the functions of the splines."""
+"""Bases with functions of their own; Taylor least squares uses those of the splines."""
 all_bases, all_dimensions = pytest.mark.parametrize("basis", OF_THEIR_OWN), pytest.mark.parametrize("dimension", [1, 2, 3])
 
 
 @st.composite
 def domains(draw, dimension):
-    """A place, and a deformation gradient that is neither symmetric nor diagonal."""
+    """A place in the box, and a general deformation gradient."""
     place = draw(st.tuples(*[st.floats(0.02, 0.98)] * dimension))
     H = draw(arrays(float, (dimension, dimension), elements=st.floats(-0.3, 0.3)))
     return place, np.eye(dimension) + H
@@ -163,7 +163,7 @@ def domains(draw, dimension):
 @given(data=st.data())
 @settings(max_examples=30)
 def test_every_basis_is_complete_to_first_order_and_positive(basis, dimension, data):
-    """Sums of N and dN/dx are one and zero, their first moments the place of the particle and the identity."""
+    """Sum N = 1, sum dN/dx = 0, sum N x_I = x_p, sum x_I dN/dx = identity, and N >= 0."""
     place, F = data.draw(domains(dimension))
     scheme, grid, particles, nodes = particle(basis, dimension, place, F)
     assert supported(scheme, grid, particles, 0)
@@ -179,8 +179,8 @@ def test_every_basis_is_complete_to_first_order_and_positive(basis, dimension, d
 @pytest.mark.parametrize("basis", [name for name in OF_THEIR_OWN if not name.startswith("mls") and name != "cpdi"])
 @given(data=st.data())
 @settings(max_examples=20)
-def test_gradients_are_those_of_the_functions(basis, dimension, data):
-    """Away from the edges of pieces; those of moving least squares and of CPDI are other ones by design."""
+def test_gradients_are_the_derivatives_of_the_functions(basis, dimension, data):
+    """Away from the kinks of the functions; gradients of moving least squares and of CPDI are not derivatives by design."""
     place, _ = data.draw(domains(dimension))
     step = 1e-6
     edges = np.outer([0.0, 0.25, 0.5, 0.75], np.ones(dimension)) + (np.array(place) * CELLS)
@@ -197,8 +197,8 @@ def test_gradients_are_those_of_the_functions(basis, dimension, data):
 
 
 @given(st.floats(0.1, 0.9), st.floats(0.6, 1.4))
-def test_the_averaged_hat_is_the_integral_of_the_hat_over_the_domain(place, stretch):
-    """And CPDI has its gradient in one dimension, where corners are all there is of a domain."""
+def test_gimp_functions_are_averages_of_the_hat_over_the_domain(place, stretch):
+    """In one dimension CPDI has the gradient of cpGIMP."""
     points, weights = np.polynomial.legendre.leggauss(40)
     for name, half in (("ugimp", 0.25 * H), ("cpgimp", 0.25 * H * stretch)):
         scheme, grid, particles, nodes = particle(name, 1, [place], [[stretch]])
@@ -215,8 +215,8 @@ def test_the_averaged_hat_is_the_integral_of_the_hat_over_the_domain(place, stre
 
 @pytest.mark.parametrize("basis", ["ugimp", "cpgimp", "cpdi"])
 @pytest.mark.parametrize("place", [0.01, 0.9, 0.99])
-def test_a_domain_reaches_over_the_joined_ends_of_an_axis(basis, place):
-    """As it does over those of cells inside, half a box away."""
+def test_a_domain_extends_across_periodic_ends(basis, place):
+    """The functions are those of a particle half a box away, whose domain extends across inner cells."""
     scheme, grid, particles, nodes = particle(basis, 1, [place], np.eye(1), Periodic())
     N, dN = functions_of(scheme, grid, particles, nodes, 0)
     np.add.at(N, grid.ghosts[:, 1], N[grid.ghosts[:, 0]])

@@ -1,4 +1,4 @@
-"""Body forces in spatial coordinates: the middle of a body, strips of particles, and who does not take them."""
+"""Body forces in spatial coordinates: motion of the centre of mass, sorted particles, and solvers that refuse them."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ FREE = dict.fromkeys(("x-", "x+", "y-", "y+"), Traction())
 
 
 def spring(x, t):
-    """Towards a place that depends on the axis, harder from step to step."""
+    """Body force towards a point, in proportion to the distance and growing in time."""
     return (np.arange(1, x.shape[1] + 1) - 4 * x)[None] * (1 + t)[:, None, None]
 
 
@@ -61,7 +61,7 @@ def test_a_force_in_spatial_coordinates_finds_particles_that_are_sorted(monkeypa
         assert several.fields[name] == pytest.approx(values, abs=1e-13 * np.abs(values).max())
 
 
-def test_a_force_in_spatial_coordinates_is_taken_by_particles_and_by_no_bar():
+def test_only_material_points_take_a_force_in_spatial_coordinates():
     bar = Problem("bar", (0.0,), (1.0,), LinearElastic(1.0, 1.0), {"x-": Velocity(), "x+": Traction()}, 1.0)
     bar, at = replace(bar, body_force=Spatial(spring)), Discretisation(0.25, 0.5)
     for solver in (FiniteElement(), TaylorGalerkin()):

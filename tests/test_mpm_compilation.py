@@ -1,4 +1,4 @@
-"""The time loop on the disk: compiled once for all processes, however many of them start at the same time."""
+"""Disk cache of the compiled time loop: shared by all processes, also by those that start at the same time."""
 
 import json
 import os
@@ -38,11 +38,13 @@ def said(process):
     return json.loads(output)
 
 
-def test_processes_that_start_at_once_agree_and_the_next_one_compiles_nothing(tmp_path):
+def test_processes_that_start_together_agree_and_a_later_one_compiles_nothing(tmp_path):
     together = [started(tmp_path) for _ in range(3)]
     found = [said(process) for process in together]
     results, *hits_and_misses = said(started(tmp_path))
     assert [one[0] for one in found] == [results] * 3
     assert [status for status, _, _ in results] == ["completed"] * 2
-    assert [threads for _, _, threads in results] == [False, True], "a process that solved in one thread alone may yet fork"
-    assert hits_and_misses == [[1, 0], [1, 0]], "every loop is found on the disk, and none is compiled"
+    assert [threads for _, _, threads in results] == [False, True], (
+        "a run in one thread starts no threads, so that the process can still fork"
+    )
+    assert hits_and_misses == [[1, 0], [1, 0]], "both loops are loaded from the disk and not compiled"

@@ -1,4 +1,4 @@
-"""What every variant of the material point method must keep, to round-off, for any particles: bases x transfers x dimensions."""
+"""Conservation to round-off by all variants of the material point method: bases x transfers x dimensions."""
 
 import itertools
 
@@ -63,7 +63,7 @@ def in_dimensions(*variants_and_dimensions):
 
 
 class Random:
-    """Any velocities, small enough for no particle to leave the grid from the faces inwards."""
+    """Velocities towards the middle with a small random part, so that no particle leaves the grid."""
 
     def __init__(self, seed, dimension):
         self.seed, self.dimension = seed, dimension

@@ -1,4 +1,4 @@
-"""What particles keep of their deformation: F where a law or a domain asks for it, else J alone."""
+"""Stored deformation of particles: F where the law or the particle domain needs it, otherwise J = det F only."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ pairs = st.sampled_from([1, 2, 3]).flatmap(lambda d: st.tuples(*2 * [arrays(floa
 
 
 @given(gradients=pairs, formulation=st.sampled_from(["updated", "total"]))
-def test_a_particle_that_keeps_the_volume_ratio_alone_has_that_of_the_deformation_gradient(gradients, formulation):
+def test_j_updated_alone_is_the_determinant_of_the_updated_f(gradients, formulation):
     F, increment, d = np.eye(len(gradients[0])) + gradients[0], gradients[1], len(gradients[0])
     faces = dict.fromkeys([axis + side for axis in "xyz"[:d] for side in "-+"], Velocity())
     scheme = MaterialPoint(formulation=formulation)._scheme(
@@ -47,7 +47,7 @@ def test_a_particle_that_keeps_the_volume_ratio_alone_has_that_of_the_deformatio
         ("cpdi", LinearElastic(1.0, 1.0), 3, 9),
     ],
 )
-def test_only_where_a_law_or_a_domain_asks_for_it_do_particles_keep_the_deformation_gradient(basis, material, dimension, count):
+def test_particles_store_f_only_where_the_law_or_the_domain_needs_it(basis, material, dimension, count):
     faces = dict.fromkeys([axis + side for axis in "xyz"[:dimension] for side in "-+"], Velocity())
     stretched = {"displacement_gradient": lambda X: np.full((len(X), dimension**2), 0.1)}
     problem = Problem("box", (0.0,) * dimension, (1.0,) * dimension, material, faces, 1.0, stretched)

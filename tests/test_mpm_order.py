@@ -1,4 +1,4 @@
-"""Order of the particles: sorted by cell for the memory, and brought together by the stencil in each strip."""
+"""Order of the particles: sorted by cell in memory, and arranged by stencil within each strip."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ FAR = [np.nan, np.inf, -np.inf, 1e300, -1e300, 1e19, -1e18, -1e-300, 1.0, np.nex
 
 
 def state(basis, face, formulation="updated", count=1003, seed=0):
-    """Scheme, grid, particles anywhere in the unit square, nodes and strips of a variant."""
+    """Scheme, grid, random particles in the unit square, nodes and strips of a variant."""
     variant, at = MaterialPoint("USL", basis=basis, formulation=formulation), Discretisation(H, 0.3, 2)
     faces = dict.fromkeys(("x-", "x+", "y-", "y+"), face)
     problem = Problem("square", (0.0, 0.0), (1.0, 1.0), LinearElastic(1.0, 1.0), faces, 1.0)
@@ -30,8 +30,8 @@ def state(basis, face, formulation="updated", count=1003, seed=0):
 @pytest.mark.parametrize("basis", ["linear", "cubic", "cpgimp"])
 @pytest.mark.parametrize("face", [Traction(), Periodic()])
 @pytest.mark.parametrize("formulation", ["updated", "total"])
-def test_wherever_particles_are_each_strip_is_arranged_by_itself_and_stably(basis, face, formulation):
-    """Also off the grid or nowhere: memory of the strip's own is all that is written to, and each particle keeps one place."""
+def test_each_strip_is_arranged_independently_and_stably_for_any_positions(basis, face, formulation):
+    """Positions off the grid or not finite included: only memory of the strip is written, and no particle is lost or doubled."""
     scheme, grid, particles, nodes, shared = state(basis, face, formulation)
     random, places = np.random.default_rng(1), particles.reference if formulation == "total" else particles.position
     for p in random.choice(len(places), 400, replace=False):
@@ -54,7 +54,7 @@ def test_wherever_particles_are_each_strip_is_arranged_by_itself_and_stably(basi
         assert np.array_equal(found, begin + np.argsort(shared.node[begin:end], kind="stable"))
 
 
-def test_particles_of_one_stencil_are_brought_together_through_joined_ends_too():
+def test_particles_of_one_stencil_are_arranged_together_across_periodic_ends():
     scheme, grid, particles, nodes, shared = state("linear", Periodic())
     particles.position[:] += [-2.0, 3.0]
     shared.particles[1:] = len(particles.place)
@@ -74,7 +74,7 @@ def group_of(scheme, grid, particles, p, end):
 
 
 @pytest.mark.parametrize("basis", ["linear", "cubic", "cpgimp"])
-def test_a_group_is_as_large_beyond_joined_ends_as_between_them(basis):
+def test_groups_are_the_same_outside_and_inside_a_periodic_box(basis):
     found = []
     for shift in ([0.0, 0.0], [-2.0, 3.0]):
         scheme, grid, particles, nodes, shared = state(basis, Periodic(), count=6400)
@@ -96,7 +96,7 @@ def test_a_group_is_as_large_beyond_joined_ends_as_between_them(basis):
 call_group = callable_from_python(group_of)
 
 
-def test_sorted_particles_lie_by_cell_and_keep_what_is_theirs():
+def test_sorted_particles_are_in_order_of_cells_and_keep_their_state():
     scheme, grid, particles, _, shared = state("quadratic", Periodic())
     particles.velocity[:] = particles.position
     particles.position[:, 0] += 1.0
@@ -112,7 +112,7 @@ def test_sorted_particles_lie_by_cell_and_keep_what_is_theirs():
 
 
 @pytest.mark.parametrize("where", [np.nan, np.inf, 2.0, -1e-9])
-def test_a_particle_off_the_grid_is_told_before_any_is_moved(where):
+def test_a_particle_off_the_grid_fails_the_sort_and_nothing_is_moved(where):
     scheme, grid, particles, _, shared = state("linear", Traction())
     particles.position[17, 1] = where
     before = particles.state.copy()

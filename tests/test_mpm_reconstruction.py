@@ -1,4 +1,4 @@
-"""Taylor least squares: what a fit reproduces, what it keeps on its way to the grid, and what it does for particles that cross cells."""
+"""Taylor least squares: exactness of fits, conservation in the transfer to the grid, and convergence with cell crossing."""
 
 from dataclasses import replace
 
@@ -32,7 +32,7 @@ def box(dimension, faces, **more):
 
 
 def cloud(basis, dimension, faces, per_cell=16, seed=3, formulation="updated"):
-    """State of a variant with particles anywhere in each cell, of any volume, velocity and stress, and the positions of its nodes."""
+    """Scheme, grid, random particles in each cell with random volume, velocity and stress, nodes, and node positions."""
     variant, problem, random = (
         MaterialPoint("USL", FLIP, basis, formulation),
         box(dimension, faces),
@@ -55,14 +55,14 @@ def spread(scheme, grid, particles, nodes, body=None, forces=True):
 
 
 def monomials(x, degree):
-    """All products of powers up to a degree (points, functions)."""
+    """All monomials up to a total degree (points, functions)."""
     dimension = x.shape[1]
     powers = [p for p in np.ndindex(*[degree + 1] * dimension) if sum(p) <= degree]
     return np.stack([np.prod(x ** np.array(p), axis=1) for p in powers], axis=1)
 
 
 def quadrature(degree, dimension):
-    """Points, weights, and at them values and derivatives by axis of all functions of the grid, from scipy's splines."""
+    """Gauss points and weights, and there the values and derivatives along each axis of all grid functions, by scipy's splines."""
     points, weights = np.polynomial.legendre.leggauss(6)
     x = (H * (np.arange(CELLS)[:, None] + (points + 1) / 2)).ravel()
     knots = H * np.clip(np.arange(-degree, CELLS + degree + 1), 0, CELLS)
@@ -83,7 +83,7 @@ def quadrature(degree, dimension):
 
 @bases
 @in_dimensions
-def test_forces_of_stress_that_a_fit_can_be_are_exact_for_any_particles(basis, dimension):
+def test_internal_forces_are_exact_for_a_stress_that_the_fit_reproduces(basis, dimension):
     scheme, grid, particles, nodes, _ = cloud(basis, dimension, Fixed())
     degree = min(BASES[basis].degree, 2)
     place, weight, _, dN = quadrature(BASES[basis].degree, dimension)
@@ -100,7 +100,7 @@ def test_forces_of_stress_that_a_fit_can_be_are_exact_for_any_particles(basis, d
 @bases
 @in_dimensions
 @pytest.mark.parametrize("per_cell", [1, 2, 16])
-def test_mass_momentum_and_forces_are_kept_whatever_the_particles_determine(basis, dimension, per_cell):
+def test_mass_momentum_and_forces_are_conserved_for_any_number_of_particles(basis, dimension, per_cell):
     scheme, grid, particles, nodes, positions = cloud(basis, dimension, Periodic() if per_cell == 2 else Fixed(), per_cell)
     m, body = particles.mass[:, None], np.random.default_rng(2).normal(size=particles.position.shape)
     spread(scheme, grid, particles, nodes, body)
@@ -114,7 +114,7 @@ def test_mass_momentum_and_forces_are_kept_whatever_the_particles_determine(basi
 
 
 @in_dimensions
-def test_a_rigid_velocity_is_that_of_every_node_and_the_second_projection_brings_no_force(dimension):
+def test_a_rigid_velocity_is_reproduced_and_a_projection_without_forces_adds_none(dimension):
     scheme, grid, particles, nodes, _ = cloud("tls-linear", dimension, Fixed())
     particles.velocity[:] = np.arange(1.0, 1 + dimension)
     spread(scheme, grid, particles, nodes, forces=False)
@@ -125,7 +125,7 @@ def test_a_rigid_velocity_is_that_of_every_node_and_the_second_projection_brings
 
 @pytest.mark.parametrize("basis", ["tls-linear", "tls-cubic", "cubic"])
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_particles_that_keep_the_volume_ratio_alone_give_the_grid_what_others_do(basis, dimension):
+def test_particles_that_store_j_only_give_the_same_nodal_values(basis, dimension):
     scheme, grid, particles, nodes, _ = cloud(basis, dimension, Fixed())
     spread(scheme, grid, particles, nodes)
     problem = replace(box(dimension, Fixed()), material=LinearElastic(1.0, 2.0))
@@ -140,8 +140,8 @@ def test_particles_that_keep_the_volume_ratio_alone_give_the_grid_what_others_do
 
 
 @bases
-def test_no_node_has_a_negative_mass_however_the_density_varies(basis):
-    """From ten times to a tenth across each cell, of which the particles fill the least part."""
+def test_nodal_masses_are_positive_for_a_density_that_varies_within_cells(basis):
+    """The density falls from ten times to a tenth across each cell, and the particles fill a small part of it."""
     scheme, grid, particles, nodes, _ = cloud(basis, 2, Fixed())
     across = particles.position[:, 0] / H % 1
     particles.F[:] = np.eye(2).ravel()
@@ -154,14 +154,14 @@ def test_no_node_has_a_negative_mass_however_the_density_varies(basis):
     assert nodes.inertia[0].sum() == pytest.approx(particles.mass.sum(), rel=1e-13)
 
 
-def test_particles_that_gather_in_the_middle_of_a_cell_tell_no_slope():
+def test_particles_close_to_the_centre_of_a_cell_determine_no_slope():
     scheme, grid, particles, nodes, _ = cloud("tls-quadratic", 1, Fixed(), per_cell=3)
     particles.position[:, 0] = H * (np.repeat([0.5, 1.5, 2.5], 3) + 1e-6 * np.tile([-1.0, 0.0, 1.0], 3))
     spread(scheme, grid, particles, nodes)
     assert np.abs(nodes.inertia[1]).max() < np.abs(particles.mass * particles.velocity[:, 0]).sum()
 
 
-def test_one_loaded_face_keeps_its_cells_from_being_fitted_and_an_empty_cell_those_beside_it_across_joined_ends():
+def test_cells_at_a_loaded_face_or_beside_an_empty_cell_are_not_fitted():
     problem = box(2, Fixed())
     loaded = replace(problem, boundary=problem.boundary | {"y+": Traction(Constant(0.0))})
     joined = replace(problem, boundary=problem.boundary | {"x-": Periodic(), "x+": Periodic()})
@@ -181,8 +181,8 @@ def test_one_loaded_face_keeps_its_cells_from_being_fitted_and_an_empty_cell_tho
 
 @bases
 @in_dimensions
-def test_a_linear_body_force_is_integrated_exactly_where_particles_are_points_of_a_quadrature(basis, dimension):
-    """Of Gauss, two in a cell along an axis, so that sums over them are means over it."""
+def test_a_linear_body_force_is_integrated_exactly_with_particles_at_gauss_points(basis, dimension):
+    """Two points per cell along each axis."""
     scheme, grid, particles, nodes, _ = cloud(basis, dimension, Fixed(), per_cell=2**dimension)
     corner = np.stack(np.meshgrid(*[[-1, 1]] * dimension), axis=-1).reshape(-1, dimension) / np.sqrt(12)
     particles.position[:] = H * (np.floor(particles.position / H) + 0.5 + np.tile(corner, (CELLS**dimension, 1)))
@@ -202,8 +202,8 @@ def test_a_body_of_a_shape_is_refused():
 
 
 @in_dimensions
-def test_at_a_free_surface_particles_are_points_of_quadrature(dimension):
-    """Every cell is at a loaded face, but for the one in the middle, which is empty: nothing is fitted."""
+def test_without_a_fitted_cell_the_transfer_is_that_of_the_linear_basis(dimension):
+    """Every cell is at a loaded face or, in the middle, empty, so that no cell is fitted."""
     both = []
     for name in ("tls-linear", "linear"):
         scheme, grid, particles, nodes, _ = cloud(name, dimension, Traction(Constant(0.0)))
@@ -229,8 +229,8 @@ def displacement_errors(basis, formulation="updated", schedule="USL", levels=(8,
 
 
 @pytest.mark.parametrize("schedule", ["USL", "MUSL"])
-def test_particles_that_cross_cells_do_not_stall_linear_functions(schedule):
-    """Where the hat diverges from 16 cells on: Wobbes and others, 2019, doi:10.1002/nme.5956."""
+def test_with_cell_crossing_the_fitted_linear_basis_converges(schedule):
+    """The plain hat diverges from 16 cells on: Wobbes and others, 2019, doi:10.1002/nme.5956."""
     hats, fitted = displacement_errors("linear", schedule=schedule), displacement_errors("tls-linear", schedule=schedule)
     assert hats[3] > hats[1]
     assert (fitted[1:] < fitted[:-1] / 2).all()
@@ -239,14 +239,14 @@ def test_particles_that_cross_cells_do_not_stall_linear_functions(schedule):
 
 @pytest.mark.parametrize("basis", RECONSTRUCTED[:2])
 @pytest.mark.parametrize("schedule", ["USL", "MUSL"])
-def test_second_order_while_none_crosses(basis, schedule):
+def test_without_cell_crossing_convergence_is_of_second_order(basis, schedule):
     found = displacement_errors(basis, "total", schedule)
     assert np.log2(found[:-1] / found[1:]) == pytest.approx(2, abs=0.2)
 
 
 @pytest.mark.parametrize("schedule", ["USL", "MUSL"])
 @pytest.mark.parametrize("dimension", [1, 2])
-def test_mass_is_kept_over_steps_and_momentum_is_not_declared(schedule, dimension):
+def test_mass_is_conserved_over_steps_and_momentum_is_not_declared(schedule, dimension):
     variant = MaterialPoint(schedule, PIC, "tls-linear")
     moving = {"velocity": lambda X: 0.1 * np.cos(np.pi * X / (CELLS * H))}
     solution = variant.solve(box(dimension, Periodic(), initial=moving), Discretisation(H, 0.3, 4, jitter=0.3, seed=1))
@@ -256,6 +256,6 @@ def test_mass_is_kept_over_steps_and_momentum_is_not_declared(schedule, dimensio
 
 
 @pytest.mark.parametrize(("schedule", "transfer"), [("USF", FLIP), ("USL", APIC), ("MUSL", xpic(2)), ("USL", fmpm(2))], ids=str)
-def test_what_it_does_not_go_with_is_refused(schedule, transfer):
+def test_an_unsupported_schedule_or_transfer_is_refused(schedule, transfer):
     with pytest.raises(UsageError, match="goes with PIC, FLIP or a blend"):
         MaterialPoint(schedule, transfer, "tls-linear")

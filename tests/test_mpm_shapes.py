@@ -1,4 +1,4 @@
-"""Bodies of a shape in the material point method: exact parts of the cells, free surfaces that cut them, layouts of particles."""
+"""Bodies of a given shape: exact parts of cells, layouts of particles, free surfaces that cut cells, loads, several bodies."""
 
 import math
 from dataclasses import replace
@@ -41,7 +41,7 @@ FREE = dict.fromkeys(("x-", "x+", "y-", "y+"), Traction())
 
 
 def swelling(X):
-    """A velocity of translation, stretch and turn."""
+    """Velocity with translation, stretch and rotation."""
     return 0.05 * np.stack([X[:, 0] * X[:, 1] - X[:, 1] + 0.5, X[:, 1] + X[:, 0] - 0.2], axis=1)
 
 
@@ -71,7 +71,7 @@ def test_parts_on_a_grid_sum_to_the_body_and_stay_in_their_boxes(shape, n):
 
 
 @given(SHAPES, st.integers(1, 20))
-def test_parts_of_boxes_that_no_circle_cuts_are_all_or_nothing(shape, n):
+def test_parts_of_boxes_that_no_circle_cuts_are_whole_or_empty(shape, n):
     lower, upper = boxes(n)
     nearest = np.hypot(*np.clip(shape.center, lower, upper).T - np.array(shape.center)[:, None])
     farthest = np.hypot(*np.maximum(np.abs(lower - shape.center), np.abs(upper - shape.center)).T)
@@ -84,7 +84,7 @@ def test_parts_of_boxes_that_no_circle_cuts_are_all_or_nothing(shape, n):
 
 
 def test_parts_of_a_circle_in_closed_form():
-    """A quarter, a half, and the segment that a side cuts off."""
+    """A quarter, a half, and a segment of the disk."""
     disk, r = Disk((0.25, -0.5), 0.5), 0.5
     lower = np.array([[0.25, -0.5], [0.25, -2.0], [-1.0, -0.5 + r / 2]])
     area, centroid = disk.parts(lower, np.array([[2.0, 2.0], [2.0, 1.0], [1.0, 1.0]]))
@@ -98,7 +98,7 @@ def test_parts_of_a_circle_in_closed_form():
 
 @given(SHAPES, st.tuples(*[st.floats(-1, 1)] * 4))
 def test_parts_agree_with_the_chords(shape, corners):
-    """Area of a box as the integral of the chord within it, by the midpoint rule."""
+    """The area is the integral of the chord within the box, here by the midpoint rule."""
     (x0, x1), (y0, y1) = sorted(corners[:2]), sorted(corners[2:])
     x = x0 + (x1 - x0) * (np.arange(20_000) + 0.5) / 20_000 - shape.center[0]
 
@@ -112,7 +112,7 @@ def test_parts_agree_with_the_chords(shape, corners):
 
 
 @given(st.integers(1, 3), st.integers(1, 12), st.data())
-def test_parts_of_a_block_are_those_of_the_boxes_that_it_covers(dimension, n, data):
+def test_parts_of_a_block_sum_to_it_and_stay_in_their_boxes(dimension, n, data):
     ends = [sorted(data.draw(st.lists(st.floats(-1, 1), min_size=2, max_size=2, unique=True))) for _ in range(dimension)]
     block = Block(tuple(a for a, _ in ends), tuple(b for _, b in ends))
     side = np.linspace(-1, 1, n + 1)
@@ -165,7 +165,7 @@ def test_several_bodies_may_touch_but_not_overlap(one, other, apart):
 
 
 @given(SHAPES, st.integers(2, 16), st.integers(1, 4), LAYOUTS, st.sampled_from([0.0, 0.49]))
-def test_particles_have_the_measure_of_the_body_and_none_is_a_sliver(shape, cells, ppc, layout, jitter):
+def test_particles_sum_to_the_measure_of_the_body_and_none_is_too_small(shape, cells, ppc, layout, jitter):
     at = Discretisation(2 / cells, 0.5, ppc, jitter=jitter)
     place, volume = place_particles(body(shape), at, layout)
     assert volume.sum() == pytest.approx(shape.measure, rel=1e-13)
@@ -179,7 +179,7 @@ def test_particles_have_the_measure_of_the_body_and_none_is_a_sliver(shape, cell
 
 
 @given(st.integers(1, 5), st.integers(1, 3), st.integers(1, 3))
-def test_gauss_points_integrate_polynomials_of_degree_2_ppc_less_1(ppc, dimension, cells):
+def test_gauss_points_integrate_polynomials_of_degree_2_ppc_minus_1(ppc, dimension, cells):
     names = [axis + side for axis in "xyz"[:dimension] for side in "-+"]
     box = Problem("box", (0.0,) * dimension, (1.0,) * dimension, MATERIAL, dict.fromkeys(names, Traction()), 1.0)
     place, volume = place_particles(box, Discretisation(1 / cells, 0.5, ppc), GAUSS)
@@ -196,7 +196,7 @@ def test_an_offset_moves_every_particle_by_its_share_of_the_spacing(share, ppc):
     assert np.array_equal(same, volume)
 
 
-def test_layouts_have_names_of_their_own():
+def test_the_name_of_a_solver_tells_its_layout():
     layouts = (REGULAR, GAUSS, offset(0.25), offset(-0.25))
     names = [MaterialPoint(layout=layout).name for layout in layouts]
     assert names[0] == MaterialPoint().name == "mpm-ul-linear-musl-flip"
@@ -209,7 +209,7 @@ def test_layouts_have_names_of_their_own():
 @pytest.mark.parametrize("layout", [REGULAR, GAUSS, offset(0.25)], ids=lambda layout: layout.name)
 @pytest.mark.parametrize("transfer", [FLIP, APIC, fmpm(2)], ids=lambda transfer: transfer.name)
 @pytest.mark.parametrize("formulation", ["updated", "total"])
-def test_a_free_disk_keeps_mass_and_momentum(transfer, formulation, layout):
+def test_a_free_disk_conserves_mass_and_momentum(transfer, formulation, layout):
     disk = body(Disk((0.05, -0.1), 0.5))
     solver = MaterialPoint("MUSL", transfer, "quadratic", formulation, layout=layout)
     solution = solver.solve(disk, Discretisation(1 / 8, 0.3, 2))
@@ -230,7 +230,7 @@ def spin(particles):
 
 
 @pytest.mark.parametrize("schedule", ["USF", "USL", "MUSL"])
-def test_a_free_disk_keeps_its_angular_momentum_with_apic(schedule, monkeypatch):
+def test_a_free_disk_conserves_angular_momentum_with_apic(schedule, monkeypatch):
     states = []
 
     def kept(self, *args):
@@ -253,8 +253,8 @@ def test_a_free_disk_keeps_its_angular_momentum_with_apic(schedule, monkeypatch)
 @pytest.mark.parametrize(
     ("schedule", "transfer", "basis"), [("MUSL", FLIP, "linear"), ("USF", FLIP, "linear"), ("USL", APIC, "quadratic")]
 )
-def test_a_surface_just_beyond_a_line_of_nodes_does_no_harm(schedule, transfer, basis, formulation):
-    """The energy follows the radius, and no particle has a stress of its own."""
+def test_a_surface_just_beyond_a_line_of_nodes_causes_no_error(schedule, transfer, basis, formulation):
+    """The energy changes in proportion to the radius, and no particle has a spurious stress."""
     solver, at = MaterialPoint(schedule, transfer, basis, formulation), Discretisation(1 / 8, 0.3, 2)
     exact = solver.solve(body(Disk((0.0, 0.0), 0.5)), at)
     energy, stress = (exact.histories["kinetic_energy"], np.abs(exact.fields["stress"]).max())
@@ -275,19 +275,19 @@ def test_linear_functions_converge_at_second_order_on_the_ring():
     assert judged is Verdict.PASS, reason
 
 
-def test_nodes_that_no_particle_reaches_may_be_held():
+def test_conditions_at_nodes_without_particles_have_no_effect():
     at, disk = Discretisation(1 / 8, 0.3, 2), Disk((0.0, 0.0), 0.5)
     free, held = (MaterialPoint().solve(body(disk, faces), at) for faces in (FREE, dict.fromkeys(FREE, Fixed())))
     assert np.array_equal(free.position, held.position)
 
 
-# Tractions on a part of a face.
+# Tractions on part of a face.
 
 
 @pytest.mark.parametrize("basis", ["linear", "cubic", "cpdi"])
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_a_traction_loads_what_of_a_face_the_bodies_touch(dimension, basis):
-    """Two blocks side by side, neither of whose edges need lie on a line of nodes: impulse is load, area and time."""
+def test_a_traction_loads_the_part_of_a_face_that_bodies_touch(dimension, basis):
+    """Two blocks whose edges are not on lines of nodes: the impulse is load times area times time."""
     rest, names = (0.8,) * (dimension - 2), [axis + side for axis in "xyz"[:dimension] for side in "-+"]
     blocks = (
         Block((0.3, 0.125, *(0.1 for _ in rest)), (1.0, 0.4, *rest)),
@@ -305,7 +305,7 @@ def test_a_traction_loads_what_of_a_face_the_bodies_touch(dimension, basis):
 
 @pytest.mark.parametrize("formulation", ["updated", "total"])
 def test_a_loaded_block_within_its_box_is_a_bar(formulation):
-    """Without lateral strain, and with its sides on lines of nodes, it knows nothing of the empty cells beside it."""
+    """Poisson's ratio is zero and the sides are on lines of nodes, so that the empty cells beside it have no effect."""
     slender, load = NeoHookean(1.0, 1.0, 0.0), Traction(Constant(0.05))
     bar = Problem("bar", (0.0,), (1.0,), slender, {"x-": Velocity(), "x+": load}, 0.7, outputs=4)
     faces = {"x-": Velocity(), "x+": load, "y-": Traction(), "y+": Traction()}
@@ -323,7 +323,7 @@ def test_a_loaded_block_within_its_box_is_a_bar(formulation):
 @pytest.mark.parametrize("formulation", ["updated", "total"])
 @pytest.mark.parametrize("dimension", [1, 2, 3])
 def test_bodies_that_touch_move_as_one(dimension, formulation):
-    """In halves of the box, whose particles are those of the whole."""
+    """Two blocks that fill the box have the particles and the motion of one body."""
     lower, upper = (-1.0,) * dimension, (1.0,) * dimension
     faces = {axis + side: Traction() for axis in "xyz"[:dimension] for side in "-+"}
     whole = Problem("whole", lower, upper, MATERIAL, faces, 0.4, {"velocity": lambda X: 0.1 * np.sin(X)}, outputs=4)
@@ -337,11 +337,11 @@ def test_bodies_that_touch_move_as_one(dimension, formulation):
 
 
 def flying(X):
-    """Bodies left and right of the middle towards each other."""
+    """Velocity of bodies on the left and the right towards each other."""
     return np.where(X[:, :1] < 0, [0.2, 0.05], [-0.2, 0.05])
 
 
-def test_bodies_that_share_no_node_know_nothing_of_each_other():
+def test_bodies_without_a_common_node_do_not_interact():
     one, other = Disk((-0.5, 0.1), 0.3), Ring((0.5, -0.1), 0.1, 0.35)
     solver, at = MaterialPoint("USL", APIC, "quadratic"), Discretisation(1 / 16, 0.3, 2)
     both, *alone = (solver.solve(body(shape), at) for shape in (Bodies((one, other)), one, other))
@@ -353,8 +353,8 @@ def test_bodies_that_share_no_node_know_nothing_of_each_other():
 
 
 @pytest.mark.parametrize("transfer", [FLIP, APIC], ids=lambda transfer: transfer.name)
-def test_disks_that_collide_exchange_momentum_and_keep_its_sum(transfer):
-    """Alike and face to face they are mirror images all the time; each has turned round along x, and flies on along y."""
+def test_colliding_disks_exchange_momentum_and_conserve_its_sum(transfer):
+    """The disks stay mirror images of each other; each reverses its motion along x and keeps that along y."""
     disks = Bodies((Disk((-0.375, 0.0), 0.25), Disk((0.375, 0.0), 0.25)))
     problem = replace(body(disks), initial={"velocity": flying}, end_time=3.0, outputs=12)
     solver, at = MaterialPoint("MUSL", transfer, "quadratic"), Discretisation(1 / 16, 0.3, 2)

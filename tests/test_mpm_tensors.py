@@ -1,4 +1,4 @@
-"""Tensors as tuples: against matrices, in one, two and three dimensions."""
+"""Tensors stored as tuples, compared with matrices in one, two and three dimensions."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def matrix(components):
 
 
 @given(pairs)
-def test_every_operation_is_that_of_matrices(pair):
+def test_every_operation_agrees_with_matrices(pair):
     A, B = pair
     d, S, T = len(A), (A + A.T) / 2, (B + B.T) / 2
     a, s, t = row_major(A), symmetric(S), symmetric(T)
@@ -66,8 +66,8 @@ gaps = st.one_of(st.just(0.0), st.floats(-17, 0).map(lambda power: 10**power))
 
 
 @given(dimensions, st.integers(0, 2**32 - 1), st.tuples(gaps, gaps), st.floats(-2, 2))
-def test_the_logarithm_keeps_its_digits_where_eigenvalues_meet(d, seed, apart, scale):
-    """Principal strains from 0 to 4 apart, by any power of ten."""
+def test_the_logarithm_is_accurate_where_eigenvalues_coincide(d, seed, apart, scale):
+    """The differences of principal strains are between 0 and 4, of any order of magnitude."""
     Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(d, d)))
     strain = np.array([scale, scale + 2 * apart[0], scale - 2 * apart[1]])[:d]
     b, expected = (Q * np.exp(strain)) @ Q.T, (Q * strain) @ Q.T

@@ -1,4 +1,4 @@
-"""Worker processes: whatever a run does to its process, its neighbours finish and nothing is left behind."""
+"""Worker processes: a run that crashes, hangs or exits disturbs no other run, and no process is left running."""
 
 import os
 import shutil
@@ -20,11 +20,11 @@ from mpmverify.execution import processes as pool
 from mpmverify.execution.runner import run, tasks_of
 
 TESTS = Path(__file__).parent
-pytestmark = pytest.mark.skipif(not shutil.which("ps"), reason="needs ps to see what processes are left")
+pytestmark = pytest.mark.skipif(not shutil.which("ps"), reason="needs ps to list the processes that are left")
 
 
 def children() -> set[int]:
-    """Processes, zombies too, that this one has started, but for the trackers of multiprocessing."""
+    """Child processes of this process, zombies included, without the resource trackers of multiprocessing."""
     listed = subprocess.run(
         ["ps", "-ww", "--ppid", str(os.getpid()), "-o", "pid=,args="], capture_output=True, text=True, check=False
     )
@@ -34,7 +34,7 @@ def children() -> set[int]:
 
 @pytest.fixture(scope="module")
 def outcomes(tmp_path_factory):
-    """Outcome by solver of runs that kill their process, hang, raise, cannot travel or are good, over two processes."""
+    """Outcome by solver, over two processes, of runs that exit, hang, raise, cannot be unpickled or succeed."""
     path = tmp_path_factory.mktemp("pool")
     solvers = [Scripted(behaviour) for behaviour in ("dies", "hangs", "raises", "leaves", "good", "unstable")]
     tasks = tasks_of(study(*solvers, Unreadable("nan"), levels=1), plan(path))
@@ -47,7 +47,7 @@ def outcomes(tmp_path_factory):
 def test_every_run_has_an_outcome(outcomes):
     _, tasks, found, elapsed, _ = outcomes
     assert found.keys() == {task.solver.name for task in tasks}
-    assert elapsed < 60, "nobody waited for the run that hangs"
+    assert elapsed < 60, "the run that hangs delays no other run"
 
 
 @pytest.mark.parametrize(
@@ -62,11 +62,11 @@ def test_every_run_has_an_outcome(outcomes):
         ("good", "completed"),
     ],
 )
-def test_the_outcome_says_what_happened(outcomes, behaviour, outcome):
+def test_the_outcome_has_the_reason_of_the_failure(outcomes, behaviour, outcome):
     assert outcomes[2][f"scripted-{behaviour}"].level.outcome.startswith(outcome)
 
 
-def test_only_what_came_to_an_end_is_stored(outcomes):
+def test_only_runs_that_returned_a_solution_are_stored(outcomes):
     path, tasks, found, _, _ = outcomes
     stored = {task.solver.name for task in tasks if Results(path).run(task.key).exists()}
     assert stored == {"scripted-good", "scripted-unstable"}
@@ -74,11 +74,11 @@ def test_only_what_came_to_an_end_is_stored(outcomes):
     assert all(evaluated.solved for evaluated in found.values())
 
 
-def test_no_process_is_left(outcomes):
+def test_no_process_is_left_running(outcomes):
     assert outcomes[4] == set()
 
 
-def test_misuse_and_damaged_files_reach_the_caller_and_end_the_workers(tmp_path):
+def test_a_damaged_file_is_an_error_of_the_caller_and_ends_the_workers(tmp_path):
     before = children()
     tasks = tasks_of(study(Scripted("hangs"), Scripted(), levels=1), plan(tmp_path))
     damaged = Results(tmp_path).run(tasks[1].key)
@@ -90,7 +90,7 @@ def test_misuse_and_damaged_files_reach_the_caller_and_end_the_workers(tmp_path)
     assert damaged.read_text() == "notes"
 
 
-def test_a_result_that_came_in_while_the_caller_was_busy_is_no_time_out(tmp_path):
+def test_a_result_that_arrives_while_the_caller_is_busy_is_not_timed_out(tmp_path):
     tasks = tasks_of(study(Scripted("dawdles"), levels=4), plan(tmp_path))
     outcomes = []
     for _, evaluated in pool.over_processes(tasks, 2, timeout=0.9):
@@ -100,7 +100,7 @@ def test_a_result_that_came_in_while_the_caller_was_busy_is_no_time_out(tmp_path
 
 
 @pytest.mark.parametrize("script", ["<stdin>", "unguarded.py"])
-def test_a_script_that_its_workers_cannot_import_is_told_so_once(tmp_path, script):
+def test_a_script_that_workers_cannot_import_is_one_error(tmp_path, script):
     text = (
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
         "from pathlib import Path\nfrom faulty_solvers import plan, study\nfrom mpmverify.execution import processes as pool\n"
@@ -120,12 +120,12 @@ def test_a_script_that_its_workers_cannot_import_is_told_so_once(tmp_path, scrip
     assert done.stderr.count("Traceback") <= 4
 
 
-def test_a_limit_beyond_what_the_system_can_wait_is_none(tmp_path):
+def test_a_time_limit_longer_than_the_system_can_wait_is_no_limit(tmp_path):
     ((_, evaluated),) = pool.over_processes(tasks_of(study(levels=1), plan(tmp_path)), 1, timeout=1e300)
     assert evaluated.level.outcome == "completed"
 
 
-def test_an_abandoned_iteration_ends_the_workers(tmp_path):
+def test_closing_the_iteration_early_ends_the_workers(tmp_path):
     before = children()
     results = pool.over_processes(tasks_of(study(Scripted(), Scripted("hangs")), plan(tmp_path)), 1, timeout=60.0)
     next(results)
@@ -134,7 +134,7 @@ def test_an_abandoned_iteration_ends_the_workers(tmp_path):
     assert children() == before
 
 
-def test_a_solver_that_cannot_be_sent_is_one_sentence_and_ends_the_workers(tmp_path):
+def test_a_solver_that_cannot_be_pickled_is_an_error_and_ends_the_workers(tmp_path):
     @dataclass(frozen=True)
     class Local(Scripted):
         pass
@@ -149,7 +149,7 @@ def test_a_solver_that_cannot_be_sent_is_one_sentence_and_ends_the_workers(tmp_p
 
 @dataclass(frozen=True)
 class Compiling(Scripted):
-    """Says what it compiles."""
+    """Solver whose `kernel` returns what a test gives it."""
 
     compiles: object = None
 
@@ -161,7 +161,7 @@ class Compiling(Scripted):
         return self.compiles[problem.dimension - 1] if isinstance(self.compiles, tuple) else self.compiles
 
 
-def test_what_another_worker_compiles_is_left_to_it_while_there_is_anything_else(tmp_path):
+def test_a_kernel_that_another_worker_compiles_is_taken_last(tmp_path):
     solvers = [Compiling(compiles=(kernel,), order=order) for kernel in ("b", "a") for order in (1.0, 2.0)]
     tasks = tasks_of(study(*solvers, Scripted(), levels=1), plan(tmp_path))
     waiting = {name: deque(replace(task, study=name) for task in tasks) for name in ("one", "two")}
@@ -187,20 +187,20 @@ def test_what_another_worker_compiles_is_left_to_it_while_there_is_anything_else
 
 
 @pytest.mark.parametrize("compiles", [[], (), [1]], ids=["list", "raises", "unhashable"])
-def test_a_solver_that_does_not_say_what_it_compiles_is_told_so(tmp_path, compiles):
+def test_a_kernel_that_raises_or_is_not_hashable_is_an_error(tmp_path, compiles):
     tasks = tasks_of(study(Compiling(compiles=compiles), levels=1), plan(tmp_path))
     with pytest.raises(UsageError, match=r"let kernel\(problem\) return a hashable value"):
         list(pool.over_processes(tasks * 2, 2, timeout=10.0))
 
 
-def test_a_choice_of_the_solver_by_the_name_of_kernel_says_nothing(tmp_path):
+def test_an_attribute_kernel_that_is_not_a_method_is_ignored(tmp_path):
     (task,) = tasks_of(study(Scripted(), levels=1), plan(tmp_path))
     smoothed = replace(task, solver=type("Smoothed", (), {"name": "smoothed", "kernel": "gaussian"})())
     assert smoothed.kernel is None
     assert Bisection(smoothed.solver).kernel(task.problem.problem) is None
 
 
-def test_nothing_to_do_starts_no_process(tmp_path):
+def test_no_tasks_start_no_process(tmp_path):
     before = children()
     assert list(pool.over_processes([], 4, timeout=1.0)) == []
     assert children() == before
@@ -217,14 +217,14 @@ def say(study, done, total):
     print(done, flush=True)
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # it is ignored where the tests run in the background
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # background processes ignore SIGINT by default
     declared = study(Scripted("hangs", below=0.04), Scripted(below=0.0))
     list(run([declared], plan(Path(sys.argv[1]), jobs=2, timeout=600.0), say))
 """
 
 
 def test_an_interrupt_ends_the_workers_and_keeps_what_is_finished(tmp_path):
-    """As a terminal does it, to the whole group of processes."""
+    """The signal goes to the whole process group, as from a terminal."""
     script = tmp_path / "interrupted.py"
     script.write_text(INTERRUPTED)
     process = subprocess.Popen(
@@ -237,7 +237,7 @@ def test_an_interrupt_ends_the_workers_and_keeps_what_is_finished(tmp_path):
     )
     assert process.stdout is not None
     for line in process.stdout:
-        if int(line) == 5:  # what is left is the run that hangs
+        if int(line) == 5:  # only the run that hangs is left
             break
     listed = subprocess.run(["ps", "-s", str(process.pid), "-o", "pid="], capture_output=True, text=True, check=True)
     assert len(listed.stdout.split()) >= 3, "the parent and its workers"
@@ -245,10 +245,10 @@ def test_an_interrupt_ends_the_workers_and_keeps_what_is_finished(tmp_path):
     _, errors = process.communicate(timeout=300)
     assert process.returncode != 0
     assert "KeyboardInterrupt" in errors
-    assert errors.count("Traceback") == 1, "the workers are silent"
-    deadline = time.monotonic() + 300  # the tracker of multiprocessing ends a moment after its parent
+    assert errors.count("Traceback") == 1, "the workers print no traceback"
+    deadline = time.monotonic() + 300  # the resource tracker of multiprocessing ends shortly after its parent
     while subprocess.run(["ps", "-s", str(process.pid), "-o", "pid="], capture_output=True, check=False).stdout.strip():
-        assert time.monotonic() < deadline, "a process was left"
+        assert time.monotonic() < deadline, "a process is still running"
         time.sleep(0.05)
 
     declared = study(Scripted("hangs", below=0.04), Scripted(below=0.0))

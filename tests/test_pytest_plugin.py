@@ -1,4 +1,4 @@
-"""The pytest plugin: one test a criterion, each verdict as pytest shows it, and a fixture that nothing passes unproved."""
+"""The pytest plugin: one test per criterion, the pytest outcome of each verdict, and the fixture `verify`."""
 
 import subprocess
 import sys
@@ -31,7 +31,7 @@ FAILING = SERIES.format("raises", ORDER)
 
 @pytest.fixture
 def journal(tmp_path_factory):
-    """File that gets one line for every run of the good solver."""
+    """File to which the scripted solvers write one line for every run."""
     path = tmp_path_factory.mktemp("journal") / "journal"
     path.touch()
     return path
@@ -39,13 +39,13 @@ def journal(tmp_path_factory):
 
 @pytest.fixture
 def project(pytester, journal, monkeypatch):
-    """Somebody's project: one test of its own and two studies; the solvers are those of these tests."""
+    """Project of a user: one ordinary test, and a module of studies whose solvers are those of these tests."""
     monkeypatch.setenv("PYTHONPATH", f"{TESTS}:{pytester.path}")
     pytester.syspathinsert(TESTS)
     pytester.syspathinsert()
     pytester.makepyfile(own=OWN.format(journal=journal))
     pytester.makepyfile(broken="1 / 0", leaving="raise SystemExit(3)")
-    pytester.makepyfile("def test_of_their_own(): pass")
+    pytester.makepyfile("def test_of_the_project(): pass")
     monkeypatch.delitem(sys.modules, "own", raising=False)
     return pytester
 
@@ -60,19 +60,19 @@ def outcomes(result, **expected):
 
 
 def solved(journal):
-    """Number of runs that were solved, by solver."""
+    """Number of solved runs by solver."""
     return Counter(line.split()[0] for line in journal.read_text().splitlines())
 
 
-# What a session without studies pays.
+# A session without studies.
 
 
-def test_pytest_finds_the_plugin():
+def test_the_plugin_is_an_entry_point_of_pytest():
     (found,) = [entry for entry in entry_points(group="pytest11") if entry.name == "mpmverify"]
     assert found.value == "mpmverify.pytest_plugin"
 
 
-def test_a_session_without_studies_imports_nothing_of_the_harness(pytester):
+def test_a_session_without_studies_imports_the_plugin_and_the_errors_only(pytester):
     pytester.makepyfile(
         """
         import sys
@@ -89,7 +89,7 @@ def test_a_session_without_studies_imports_nothing_of_the_harness(pytester):
     outcomes(pytester.runpytest_subprocess(*others), passed=1)
 
 
-def test_the_harness_itself_does_not_need_pytest():
+def test_the_harness_does_not_import_pytest():
     code = "import sys, mpmverify.cli, mpmverify.execution.shared_study, mpmverify.execution.verify; sys.exit('pytest' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
@@ -97,13 +97,13 @@ def test_the_harness_itself_does_not_need_pytest():
 # Collection.
 
 
-def test_every_criterion_is_an_item_that_k_selects_and_collecting_solves_nothing(project, journal):
+def test_every_criterion_is_a_selectable_item_and_collecting_solves_nothing(project, journal):
     result = project.runpytest_inprocess("--collect-only", "-q", *studies_of("STUDY", "SHORT"))
     listed = [line for line in result.outlines if line.startswith("mpmverify::")]
     titles = (ORDER, "mass conserved")
     expected = [SERIES.format(name, title) for name in ("good", "flat-fields", "raises") for title in titles]
     assert listed == expected + [f"mpmverify::short::hill::scripted-good::nu_C=0.5::{title}" for title in titles]
-    assert any(line.endswith("::test_of_their_own") for line in result.outlines)
+    assert any(line.endswith("::test_of_the_project") for line in result.outlines)
     assert journal.read_text() == ""
     assert not (project.path / ".pytest_cache/d/mpmverify/runs").exists()
     few = project.runpytest_inprocess("--collect-only", "-q", *studies_of("STUDY", "SHORT"), "-k", "short and mass")
@@ -112,7 +112,7 @@ def test_every_criterion_is_an_item_that_k_selects_and_collecting_solves_nothing
     ]
 
 
-def test_without_its_option_no_study_is_collected(project):
+def test_without_an_option_no_study_is_collected(project):
     result = project.runpytest_inprocess("-p", "no:cacheprovider", "--strict-markers")
     outcomes(result, passed=1)
 
@@ -123,14 +123,17 @@ def test_without_its_option_no_study_is_collected(project):
         (["nope"], "unknown study 'nope': choose from advection, elastic-bar, gehojerez-deck"),
         (["own:NOPE"], "the study 'own:NOPE' cannot be imported (module 'own' has no attribute 'NOPE'): give MODULE:NAME"),
         (["nowhere:STUDY"], "the study 'nowhere:STUDY' cannot be imported (No module named 'nowhere'): give MODULE:NAME"),
-        (["broken:STUDY"], "the study 'broken:STUDY' cannot be imported, ZeroDivisionError: * (broken.py:1): mend its module"),
-        (["leaving:STUDY"], "the study 'leaving:STUDY' cannot be imported, SystemExit: 3 (leaving.py:1): mend its module"),
-        (["own:VAIN"], "the study 'own:VAIN' has no criterion: say what must hold of its series"),
-        (["own:NUMBER"], "'own:NUMBER' is of the type int: give the name of a Study"),
+        (
+            ["broken:STUDY"],
+            "the study 'broken:STUDY' cannot be imported, ZeroDivisionError: * (broken.py:1): correct its module",
+        ),
+        (["leaving:STUDY"], "the study 'leaving:STUDY' cannot be imported, SystemExit: 3 (leaving.py:1): correct its module"),
+        (["own:VAIN"], "the study 'own:VAIN' has no criterion: declare one for its series"),
+        (["own:NUMBER"], "'own:NUMBER' is of type int: give the name of a Study"),
         (["own:SHORT", "own:TWIN"], "'own:SHORT' and 'own:TWIN' are both named 'short': rename one"),
     ],
 )
-def test_a_study_that_is_not_there_is_one_sentence(project, names, sentence):
+def test_a_study_that_cannot_be_collected_is_an_error_of_one_sentence(project, names, sentence):
     result = project.runpytest_inprocess(*(f"--mpmverify-study={name}" for name in names))
     result.stdout.fnmatch_lines([sentence.replace("[", "[[]") + "*"])
     assert result.ret == pytest.ExitCode.INTERRUPTED
@@ -138,24 +141,24 @@ def test_a_study_that_is_not_there_is_one_sentence(project, names, sentence):
 
 
 @pytest.mark.parametrize("jobs", ["0", "-1", "two", "1.5"])
-def test_a_number_of_workers_that_is_none_is_one_sentence(project, jobs):
+def test_an_invalid_number_of_workers_is_refused(project, jobs):
     result = project.runpytest_inprocess(f"--mpmverify-jobs={jobs}", "--collect-only")
     assert result.ret == pytest.ExitCode.USAGE_ERROR
-    result.stderr.fnmatch_lines([f"*'{jobs}' worker processes can solve nothing: give a number from 1"])
+    result.stderr.fnmatch_lines([f"*the number of worker processes must be at least 1, not '{jobs}'"])
 
 
-def test_without_a_cache_a_results_folder_is_asked_for_in_one_sentence(project):
+def test_without_a_cache_a_results_folder_is_required(project):
     options = ("-p", "no:cacheprovider", "--collect-only", "-q", *studies_of("SHORT"))
     result = project.runpytest_inprocess(*options)
     assert result.ret == pytest.ExitCode.USAGE_ERROR
     assert [line for line in result.errlines if line] == [
-        "ERROR: the cache of pytest is switched off: choose a results folder with --mpmverify-out"
+        "ERROR: pytest's cache is disabled: choose a results folder with --mpmverify-out"
     ]
     assert project.runpytest_inprocess("--mpmverify-out=r", *options).ret == 0
 
 
-def test_the_items_of_a_study_are_its_findings(tmp_path):
-    """Otherwise a verdict would be made that nobody sees, or a test be listed that is never judged."""
+def test_every_item_of_a_study_has_a_finding_and_every_finding_an_item(tmp_path):
+    """Otherwise a verdict would not be shown, or a listed test would never be judged."""
     stalled = study(criteria=(Stall("u", "L2", 0.5, "made so"), *SECOND_ORDER), name="stalled")
     for declared in (study(Scripted(), Scripted("nan")), stalled):
         tree = SharedStudy(declared, lambda: plan(tmp_path), set, gated=True).declared()
@@ -170,7 +173,7 @@ def test_the_items_of_a_study_are_its_findings(tmp_path):
 def test_each_item_reports_its_own_verdict_without_a_traceback(project, journal):
     report = project.path / "junit.xml"
     result = project.runpytest_inprocess("-v", "-rs", f"--junitxml={report}", *studies_of("STUDY", "SHORT"))
-    # The second solver errs on both criteria; the third is of first order; two levels prove no order.
+    # The second solver ends in an error for both criteria; the third is of first order; two levels are too few for an order.
     outcomes(result, passed=5, failed=1, errors=2, skipped=1)
     text = result.stdout.str()
     assert "Traceback" not in text
@@ -185,7 +188,9 @@ def test_each_item_reports_its_own_verdict_without_a_traceback(project, journal)
             "SKIPPED*INCONCLUSIVE short/hill/scripted-good (nu_C=0.5): order of u*2 of 2 levels can be used*",
         ]
     )
-    assert solved(journal) == {"scripted-good": 3, "scripted-flat-fields": 3}, "once for all items, and shared by both studies"
+    assert solved(journal) == {"scripted-good": 3, "scripted-flat-fields": 3}, (
+        "each run is solved once, for all items of both studies"
+    )
     (suite,) = ElementTree.parse(report).getroot()
     cases = {f"{case.get('classname')}.{case.get('name')}": [child.tag for child in case] for case in suite}
     assert cases[f"mpmverify.scripted.hill.scripted-raises.nu_C=0.5.{ORDER}"] == ["failure"]
@@ -193,7 +198,7 @@ def test_each_item_reports_its_own_verdict_without_a_traceback(project, journal)
     assert cases[f"mpmverify.short.hill.scripted-good.nu_C=0.5.{ORDER}"] == ["skipped"]
     assert cases["mpmverify.scripted.hill.scripted-good.nu_C=0.5.mass conserved"] == []
 
-    # The next session finds the finished runs, and runs what failed alone.
+    # With --lf the next session reuses the finished runs and solves the failed ones again.
     again = project.runpytest_inprocess("--lf", *studies_of("STUDY", "SHORT"))
     outcomes(again, failed=1, errors=2, deselected=6)
     assert solved(journal) == {"scripted-good": 3, "scripted-flat-fields": 6}
@@ -204,7 +209,7 @@ def test_each_item_reports_its_own_verdict_without_a_traceback(project, journal)
     outcomes(full, passed=3)
 
 
-def test_only_what_is_selected_is_solved(project, journal):
+def test_only_selected_items_are_solved(project, journal):
     arguments = ("--mpmverify-out=results", "--mpmverify-jobs=1", *studies_of("STUDY"))
     outcomes(project.runpytest_inprocess("-m", "mpmverify", "-k", "raises", *arguments), passed=1, failed=1, deselected=5)
     assert journal.read_text() == ""
@@ -213,16 +218,16 @@ def test_only_what_is_selected_is_solved(project, journal):
     assert journal.read_text() == ""
 
 
-def test_workers_of_xdist_solve_a_study_once(project, journal):
+def test_xdist_workers_solve_a_study_once(project, journal):
     result = project.runpytest_subprocess("-n2", "--mpmverify-jobs=1", *studies_of("STUDY", "SHORT"))
     outcomes(result, passed=5, failed=1, errors=2, skipped=1)
     assert solved(journal) == {"scripted-good": 3, "scripted-flat-fields": 3}, (
-        "what erred is not tried again by the other worker"
+        "the other worker does not repeat runs that ended in an error"
     )
     assert "Traceback" not in result.stdout.str()
 
 
-def test_a_results_folder_that_is_not_ours_is_one_sentence(project):
+def test_a_foreign_file_in_the_results_folder_is_named_and_kept(project):
     (project.path / "results").mkdir()
     (project.path / "results/short.nc").write_text("mine")
     result = project.runpytest_inprocess("--mpmverify-out=results", *studies_of("SHORT"))
@@ -233,10 +238,10 @@ def test_a_results_folder_that_is_not_ours_is_one_sentence(project):
     assert (project.path / "results/short.nc").read_text() == "mine"
     uncached = project.runpytest_inprocess("-p", "no:cacheprovider", *studies_of("SHORT"))
     assert uncached.ret == pytest.ExitCode.USAGE_ERROR
-    uncached.stderr.fnmatch_lines(["ERROR: the cache of pytest is switched off: choose a results folder with --mpmverify-out"])
+    uncached.stderr.fnmatch_lines(["ERROR: pytest's cache is disabled: choose a results folder with --mpmverify-out"])
 
 
-def test_what_the_project_takes_for_an_error_does_not_change_a_verdict(project):
+def test_warnings_as_errors_do_not_change_a_verdict(project):
     outcomes(project.runpytest_inprocess("-W", "error", *studies_of("STUDY")), passed=4, failed=1, errors=2)
 
 
@@ -293,12 +298,12 @@ FIXTURE = """
         ),
     ],
 )
-def test_the_fixture_passes_what_is_proved_alone(project, body, passes, lines):
+def test_the_fixture_passes_only_if_every_criterion_passes(project, body, passes, lines):
     project.makepyfile(test_fixture=FIXTURE.format(body=body))
     result = project.runpytest_inprocess("test_fixture.py")
     outcomes(result, **{"passed" if passes else "failed": 1})
     result.stdout.fnmatch_lines(lines)
-    assert "verification.py" not in result.stdout.str(), "the frames of the library are not shown"
+    assert "execution/verify.py" not in result.stdout.str(), "the traceback has no frames of the library"
 
 
 def test_the_fixture_judges_more_levels_in_the_full_tier(project):

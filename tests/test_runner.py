@@ -1,4 +1,4 @@
-"""From declaration to judged study: what is solved is not solved again, what failed is, and a failure is a verdict."""
+"""From declaration to judged study: finished runs are reused, failed runs are repeated, and a failure is a verdict."""
 
 import dataclasses
 import json
@@ -40,14 +40,14 @@ def files(path):
 
 @pytest.fixture
 def journal(tmp_path):
-    """File that lists the runs which were solved, beside the results."""
+    """File to which the scripted solvers write one line for every run."""
     path = tmp_path / "journal"
     path.touch()
     return path
 
 
-def test_two_criteria_that_measure_one_name_differently_are_refused(tmp_path):
-    """Otherwise the later one would be judged in place of the former."""
+def test_two_criteria_with_different_measures_of_the_same_name_are_refused(tmp_path):
+    """Otherwise both would be judged by the measure of the second."""
     modes = [Amplification(passes, 1e-12, "made so") for passes in (1, 3)]
     with pytest.raises(UsageError, match="two criteria measure 'amplification_defect' differently"):
         judged_once(study(criteria=(*SECOND_ORDER, *modes)), tmp_path)
@@ -67,7 +67,7 @@ def test_a_second_run_solves_nothing_and_writes_nothing(tmp_path, journal):
     assert len(journal.read_text().splitlines()) == LEVELS
 
 
-def test_the_verdicts_are_what_the_scripted_errors_deserve(tmp_path):
+def test_the_verdicts_follow_from_the_scripted_errors(tmp_path):
     entry = judged_once(study(Scripted(order=2.0)), tmp_path)
     assert verdicts(entry) == [Verdict.PASS, Verdict.PASS]
     assert verdicts(entry, "regression") == [Verdict.INCONCLUSIVE]
@@ -85,7 +85,7 @@ def test_one_changed_level_solves_one_run(tmp_path, journal):
     assert len(journal.read_text().splitlines()) == LEVELS + 1
 
 
-def test_one_more_solver_or_level_solves_what_is_new(tmp_path):
+def test_an_added_solver_or_level_solves_its_own_runs_only(tmp_path):
     judged_once(study(Scripted()), tmp_path)
     wider = judged_once(study(Scripted(), Scripted("unstable")), tmp_path)
     assert (wider.solved, wider.reused) == (LEVELS, LEVELS)
@@ -116,7 +116,7 @@ def test_two_studies_share_their_runs(tmp_path):
     ],
     ids=["title", "criteria"],
 )
-def test_what_only_the_judgement_depends_on_solves_nothing(tmp_path, change):
+def test_a_change_of_title_or_criteria_solves_nothing(tmp_path, change):
     judged_once(study(), tmp_path)
     entry = judged_once(change(study()), tmp_path)
     assert (entry.solved, entry.reused) == (0, LEVELS)
@@ -125,7 +125,7 @@ def test_what_only_the_judgement_depends_on_solves_nothing(tmp_path, change):
     assert stored.attrs["title"] == change(study()).title
 
 
-def test_a_changed_baseline_judges_anew_without_solving(tmp_path):
+def test_a_changed_baseline_changes_verdicts_without_solving(tmp_path):
     path = tmp_path / "baseline.json"
     before = judged_once(study(), tmp_path, baseline=read_baseline(path))
     assert verdicts(before, "regression") == [Verdict.INCONCLUSIVE]
@@ -140,7 +140,7 @@ def test_a_changed_baseline_judges_anew_without_solving(tmp_path):
     assert verdicts(judged_once(study(), tmp_path, baseline=read_baseline(path)), "regression") == [Verdict.PASS]
 
 
-def test_verdicts_json_holds_every_finding_of_every_study(tmp_path):
+def test_verdicts_json_has_every_finding_of_every_study(tmp_path):
     entries = list(run([study(), study(Scripted("raises"), name="broken")], plan(tmp_path)))
     stored = json.loads((tmp_path / "verdicts.json").read_text())
     assert stored["schema"] == 1
@@ -149,10 +149,10 @@ def test_verdicts_json_holds_every_finding_of_every_study(tmp_path):
         assert stored["studies"][entry.study]["findings"] == [dataclasses.asdict(finding) for finding in entry.findings]
     (tmp_path / "broken.nc").unlink()
     judged_once(dataclasses.replace(study(), title="t"), tmp_path)
-    assert set(read_verdicts(Results(tmp_path))) == {"scripted"}, "a study that is gone has no verdicts"
+    assert set(read_verdicts(Results(tmp_path))) == {"scripted"}, "a study whose file was deleted has no verdicts"
 
 
-def test_a_missing_study_file_is_made_again_from_the_runs(tmp_path):
+def test_a_missing_study_file_is_rebuilt_from_the_runs(tmp_path):
     first = judged_once(study(), tmp_path)
     (tmp_path / "scripted.nc").unlink()
     again = judged_once(study(), tmp_path)
@@ -207,16 +207,16 @@ REASONS = {
     "singular": "crashed; LinAlgError: Singular matrix (faulty_solvers.py:",
 }
 FINISHED = {"nan", "nan-weight", "nan-history", "unstable", "unstable-at-once"}
-"""What ends with an outcome of the scheme is stored; what never came to an end is tried again."""
+"""Runs that end with an outcome of the scheme, which are stored; the other failed runs are repeated."""
 
 
-def test_every_misdeed_is_tested():
+def test_every_scripted_failure_is_tested():
     assert REASONS.keys() | {"good", "dies", "hangs", "dawdles"} == BEHAVIOURS.keys()
 
 
 @pytest.fixture(scope="module")
 def failing(tmp_path_factory):
-    """One study in which every solver but one fails on its finest level, judged twice, and the journal of its runs."""
+    """Study in which every solver but one fails on its finest level: folder, journal, and the entries of two runs of it."""
     path = tmp_path_factory.mktemp("failing")
     journal = path / "journal"
     declared = study(Scripted(), *(Scripted(behaviour, below=0.04, journal=str(journal)) for behaviour in REASONS))
@@ -236,7 +236,7 @@ def test_a_failure_on_the_finest_level_is_an_error_with_its_reason(failing, beha
     assert tries == (1 if behaviour in FINISHED else 2)
 
 
-def test_the_runs_beside_a_failure_are_kept_and_judged(failing):
+def test_a_failure_affects_no_other_series_and_is_repeated(failing):
     path, journal, entry, again = failing
     neighbour = [f.verdict for f in entry.findings if f.solver == "scripted-good" and f.gate == "verification"]
     assert neighbour == [Verdict.PASS, Verdict.PASS]
@@ -251,13 +251,13 @@ def test_the_runs_beside_a_failure_are_kept_and_judged(failing):
     ]
 
 
-def test_a_failure_on_every_level_is_judged_too(tmp_path):
+def test_a_failure_on_every_level_is_an_error(tmp_path):
     entry = judged_once(study(Scripted("raises"), Scripted("unstable-at-once"), Scripted("nan")), tmp_path)
     assert {finding.verdict for finding in entry.findings} == {Verdict.ERROR}
     assert len(entry.findings) == 9
 
 
-def test_a_run_that_failed_once_and_now_succeeds_is_stored(tmp_path, monkeypatch):
+def test_a_repeated_run_that_succeeds_is_stored(tmp_path, monkeypatch):
     declared = study(Scripted("raises", below=0.04))
     assert Verdict.ERROR in verdicts(judged_once(declared, tmp_path))
     monkeypatch.setattr("faulty_solvers.BEHAVIOURS", {"raises": lambda s: s})
@@ -267,7 +267,7 @@ def test_a_run_that_failed_once_and_now_succeeds_is_stored(tmp_path, monkeypatch
     assert judged_once(declared, tmp_path).solved == 0
 
 
-def test_a_comparison_that_raises_is_an_error_not_a_traceback(tmp_path, monkeypatch):
+def test_a_measure_that_raises_is_a_verdict_error(tmp_path, monkeypatch):
     def measure(self, solution, setting):
         raise IndexError("no such history")
 
@@ -277,7 +277,7 @@ def test_a_comparison_that_raises_is_an_error_not_a_traceback(tmp_path, monkeypa
     assert "crashed; IndexError: no such history (test_runner.py:" in entry.findings[0].reason
 
 
-def test_misuse_is_raised_and_what_is_finished_is_kept(tmp_path, monkeypatch):
+def test_a_usage_error_is_raised_and_finished_runs_are_kept(tmp_path, monkeypatch):
     def refuse(_):
         raise UsageError("solver 'scripted-raises' cannot solve this")
 
@@ -289,10 +289,10 @@ def test_misuse_is_raised_and_what_is_finished_is_kept(tmp_path, monkeypatch):
     assert not (tmp_path / "scripted.nc").exists()
 
 
-# Files in the way.
+# Damaged and foreign files.
 
 
-def test_a_corrupt_run_is_named_and_left_alone(tmp_path):
+def test_a_corrupt_run_is_named_and_not_changed(tmp_path):
     declared = study()
     judged_once(declared, tmp_path)
     path = Results(tmp_path).run(tasks_of(declared, plan(tmp_path))[1].key)
@@ -327,7 +327,7 @@ def test_a_foreign_study_file_is_named_before_anything_is_solved(tmp_path, journ
         '{"studies": {"scripted": {"inputs": "", "findings": ["PASS"]}}}',
     ],
 )
-def test_corrupt_verdicts_are_named_and_left_alone(tmp_path, journal, text):
+def test_corrupt_verdicts_are_named_and_not_changed(tmp_path, journal, text):
     (tmp_path / "verdicts.json").write_text(text)
     with pytest.raises(ResultsError, match=r"verdicts\.json' is not a list of mpmverify verdicts: delete it and run again"):
         judged_once(study(Scripted(journal=str(journal))), tmp_path)
@@ -336,7 +336,7 @@ def test_corrupt_verdicts_are_named_and_left_alone(tmp_path, journal, text):
 
 
 @pytest.mark.parametrize("under", ["file", "proc"])
-def test_a_folder_that_cannot_be_written_is_named(tmp_path, under):
+def test_a_results_folder_that_cannot_be_written_is_named(tmp_path, under):
     (tmp_path / "file").write_text("")
     path = {"file": tmp_path / "file" / "results", "proc": Path("/proc/results")}[under]
     with pytest.raises(ResultsError, match=f"cannot write results to '{path}' .*: choose another folder with --out"):
@@ -352,14 +352,14 @@ def test_progress_counts_every_run_once(tmp_path):
     assert calls == [(name, k, LEVELS) for name in ("scripted", "other") for k in (1, 2, 3)]
 
 
-def test_each_series_shows_one_run_on_few_points(tmp_path):
+def test_one_run_per_series_is_shown_and_it_has_few_points(tmp_path):
     tasks = tasks_of(study(Scripted(), Scripted("unstable"), levels=6), plan(tmp_path))
     shown = {task.solver.name: task.discretisation.h for task in tasks if task.shown}
     assert shown == {"scripted-good": 1 / 128, "scripted-unstable": 1 / 128}
     assert sum(task.shown for task in tasks) == 2
 
 
-def test_keys_of_a_study_are_distinct(tmp_path):
+def test_the_keys_of_runs_are_distinct(tmp_path):
     tasks = tasks_of(study(Scripted(), Scripted("unstable")), plan(tmp_path))
     assert len({task.key for task in tasks}) == len(tasks)
     assert {len(task.key) for task in tasks} == {24}
@@ -398,8 +398,8 @@ def test_declarations_that_cannot_be_stored_are_refused():
 @pytest.mark.parametrize(
     ("levels", "quick"), [((), 0), ((), 1), ((Discretisation(0.5, 0.5),), 0), ((Discretisation(0.5, 0.5),), 2)]
 )
-def test_a_ladder_whose_quick_tier_runs_nothing_is_refused(levels, quick):
-    """A study without runs would pass unseen."""
+def test_a_ladder_with_an_impossible_quick_tier_is_refused(levels, quick):
+    """A study without runs would have no verdict that could fail."""
     with pytest.raises(UsageError, match=r"ladder 'l' has \d levels: the quick tier cannot run"):
         Refinement("l", levels, quick)
 
@@ -413,7 +413,7 @@ def test_a_restricted_study_has_the_named_solvers_and_one_courant_number():
         ),
     )  # fmt: skip
     assert declared.restricted() == declared
-    assert declared.restricted(declared.solver_names()) == declared, "all of it is no part"
+    assert declared.restricted(declared.solver_names()) == declared, "a restriction to all solvers is none"
     alone = declared.restricted(("scripted-nan",))
     assert alone.solver_names() == ("scripted-nan",)
     assert [case.name for case in alone.cases] == ["step"]
@@ -423,14 +423,14 @@ def test_a_restricted_study_has_the_named_solvers_and_one_courant_number():
     assert alone.restricted(("scripted-nan",)) == alone
     slow = declared.restricted(courant=0.125)
     assert {level.courant for _, series in slow.series() for level in series.refinement.levels} == {0.125}
-    assert [len(case.series) for case in slow.cases] == [1, 1], "ladders that become equal are run once"
+    assert [len(case.series) for case in slow.cases] == [1, 1], "ladders that become equal are merged"
     assert [level.h for level in slow.cases[0].series[0].refinement.levels] == [1 / 8, 1 / 16, 1 / 32]
 
 
-# The same numbers wherever the runs were solved.
+# Processes.
 
 
-def test_one_process_and_two_give_the_same_study(tmp_path):
+def test_one_and_two_processes_give_the_same_study(tmp_path):
     declared = study(Scripted(), Scripted("raises", below=0.04), Scripted("nan", below=0.1))
     inline, parallel = (judged_once(declared, tmp_path / str(jobs), jobs=jobs) for jobs in (0, 2))
     assert parallel.findings == inline.findings
@@ -449,7 +449,7 @@ def test_one_process_and_two_give_the_same_study(tmp_path):
             np.testing.assert_array_equal(values, theirs.arrays()[name])
 
 
-def test_a_series_that_leaves_no_run_to_show_spoils_no_other_of_its_solver(tmp_path):
+def test_a_series_without_a_finished_run_does_not_affect_another_of_its_solver(tmp_path):
     solver = Scripted("raises", below=0.05)
     coarse = halving(1.0, 8, quick=2, full=2, courant=0.5)
     fine = halving(1.0, 32, quick=1, full=1, courant=0.4)

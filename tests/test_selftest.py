@@ -448,7 +448,7 @@ def test_the_command_fails_on_a_survivor_and_on_a_false_alarm(tmp_path, monkeypa
 
 @pytest.mark.usefixtures("small")
 def test_a_fault_that_exceeds_its_time_limit_leaves_no_files(tmp_path, monkeypatch):
-    hung = Edit(TG_SOLVER, "GENEROUS = 10.0", "while True:\n    pass\nGENEROUS = 10.0")
+    hung = Edit(TG_SOLVER, "MARGIN = 10.0", "while True:\n    pass\nMARGIN = 10.0")
     monkeypatch.setattr(session, "NAMED", (Fault("taylor_galerkin", "named", "hung", (hung,)),))
     scratch = tmp_path / "scratch"
     scratch.mkdir()

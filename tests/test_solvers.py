@@ -1,4 +1,4 @@
-"""What every solver value of the studies keeps: its declared orders and invariants, and the contract of `mpmverify.solution`."""
+"""Every solver value of the studies has its declared orders and invariants, and keeps the contract of `mpmverify.solution`."""
 
 import ast
 import dataclasses
@@ -69,13 +69,13 @@ every_solver = pytest.mark.parametrize("solver", SOLVERS, ids=lambda solver: sol
 every_updated = pytest.mark.parametrize("solver", UPDATED, ids=lambda solver: solver.name)
 
 
-# Problems that every bar solver takes; off the origin, and with a Poisson's ratio
+# Problems that every bar solver takes. The bar does not start at the origin, and Poisson's ratio is not zero.
 
 BAR = LinearElastic(youngs_modulus=2.0, density=3.0, poissons_ratio=0.2)
 LOWER, UPPER = -0.7, 0.5
 LENGTH = UPPER - LOWER
 PULL = 1e-4
-"""Traction [Pa]: strains stay near it."""
+"""Traction [Pa], small enough for small strains: Young's modulus is 2 Pa."""
 END_TIME = 1.7
 
 
@@ -115,7 +115,7 @@ def pulled(solver: Solver) -> Solution:
 
 
 def vibration_with_poissons_ratio(nu: float) -> VerificationProblem:
-    """The axial vibration at a thousandth of the strain of the literature, of a body whose constrained modulus is its modulus."""
+    """Axial vibration at a thousandth of the published strain, with E chosen to keep the constrained modulus for any nu."""
     vibration = axial_vibration(v0=1e-4)
     law = vibration.problem.material
     assert isinstance(law, LinearElastic)
@@ -127,7 +127,7 @@ def vibration_with_poissons_ratio(nu: float) -> VerificationProblem:
 VIBRATION = vibration_with_poissons_ratio(0.25)
 FINITE_STRAIN = manufactured(0.05, poissons_ratio=0.3)
 Ladder = tuple[VerificationProblem, tuple[int, ...], float]
-"""Smooth problem, numbers of cells and the Courant number."""
+"""Smooth problem, numbers of cells and Courant number."""
 
 
 def ladders(solver: Solver) -> tuple[Ladder, ...]:
@@ -138,20 +138,20 @@ def ladders(solver: Solver) -> tuple[Ladder, ...]:
         return (vibration,) if solver.integrator == "newmark" else (vibration, (FINITE_STRAIN, (16, 32, 64, 128), 0.2))
     assert isinstance(solver, MaterialPoint)
     vibration = (VIBRATION, (32, 64, 128, 256), 0.4)
-    # PIC reaches its order late: its smoothing is a large part of a solution that the force holds up against it.
+    # PIC reaches its order late on the forced problem: its smoothing is large compared with the solution that the force keeps up.
     if solver.formulation == "updated" or solver.transfer.flip == 0:
         return (vibration,)
     return vibration, (FINITE_STRAIN, (16, 32, 64, 128), 0.2)
 
 
-def from_above(solver: Solver, quantity: str) -> float:
-    """The order from which a declared one is approached, where that is another."""
+def pre_asymptotic_order(solver: Solver, quantity: str) -> float:
+    """Order on coarse levels, from which the measured order falls to the declared one."""
     if isinstance(solver, MaterialPoint) and 0 < solver.transfer.flip < 1 and quantity == "displacement":
         return 2.0  # FLIP's error dominates on coarse levels, PIC's on fine ones
     if isinstance(solver, MaterialPoint) and solver.basis == "cubic" and quantity != "stress":
-        return 2.0  # what the end cells lose shows late
+        return 2.0  # the lower order of the end cells shows on fine levels only
     if isinstance(solver, MaterialPoint) and solver.basis == "quadratic" and quantity == "stress":
-        return 2.0  # half an order is lost in the two outermost cells only, whose share shows late
+        return 2.0  # half an order is lost in the two end cells, which shows on fine levels only
     return solver.orders[quantity]
 
 
@@ -178,7 +178,7 @@ def test_declared_orders_are_measured(solver: Solver) -> None:
             assert series.fit is not None
             assert series.floor is None
             assert series.kept.sum() >= 3
-            low, high = solver.orders[quantity] - 0.15, from_above(solver, quantity) + 0.15
+            low, high = solver.orders[quantity] - 0.15, pre_asymptotic_order(solver, quantity) + 0.15
             assert low <= series.fit.order <= high, f"{quantity} on {ladder[0].problem.name}: {series}"
             measured.add(quantity)
     assert measured == set(solver.orders), "every declared order is measured"
@@ -209,7 +209,7 @@ def test_declared_invariants_are_kept_to_round_off(solver: Solver) -> None:
 
 
 @every_solver
-def test_a_free_bar_gains_the_momentum_that_newton_says(solver: Solver) -> None:
+def test_a_free_bar_gains_the_momentum_of_its_forces(solver: Solver) -> None:
     history = solver.solve(FREE, LEVEL).histories
     expected = (PULL + BAR.density * LENGTH * PULL) * history["time"]
     assert history["momentum"] == pytest.approx(expected, abs=1e-12 * expected[-1])
@@ -218,14 +218,14 @@ def test_a_free_bar_gains_the_momentum_that_newton_says(solver: Solver) -> None:
 
 
 @every_solver
-def test_histories_start_from_the_initial_state(solver: Solver) -> None:
+def test_histories_start_with_the_initial_state(solver: Solver) -> None:
     history = pulled(solver).histories
     assert {name: history[name][0] for name in ("time", "impulse", "external_work")} == {
         "time": 0,
         "impulse": 0,
         "external_work": 0,
     }
-    # int rho v0 and int rho v0^2/2, by a midpoint sum on particles or h-lumped nodes
+    # int rho v0 and int rho v0^2/2; solvers sum over particles or nodes, hence the tolerance
     angle = 3 * LENGTH
     momentum = BAR.density * PULL * (1 - math.cos(angle)) / 3
     kinetic = BAR.density * PULL**2 / 4 * (LENGTH - math.sin(2 * angle) / 6)
@@ -248,7 +248,7 @@ def test_weights_sum_to_the_measure_of_the_body(solver: Solver) -> None:
 
 @every_updated
 def test_updated_volumes_sum_to_the_current_length(solver: Solver) -> None:
-    """V0 F of the particles spans the body from the outer edge of the first to that of the last."""
+    """The sum of V0 F is the distance from the outer edge of the first particle to that of the last."""
     solution = pulled(solver)
     x, w = solution.position[:, :, 0], solution.weight
     between_edges = x[:, -1] + w[:, -1] / 2 - (x[:, 0] - w[:, 0] / 2)
@@ -264,13 +264,13 @@ def test_updated_volumes_between_fixed_ends_miss_the_length_at_second_order_in_t
     for v0 in (1e-2, 1e-3):
         solution = solver.solve(axial_vibration(v0=v0).problem, Discretisation(25 / 24, 0.2, 2))
         defect.append(np.abs(solution.weight.sum(axis=1) / 25 - 1).max())
-    strain = 1e-3  # v0/c in the first
+    strain = 1e-3  # v0/c of the first run
     assert defect[0] < 50 * strain**2
     assert defect[1] < 0.02 * defect[0] or defect[1] < 1e-13
 
 
 @every_solver
-def test_samples_lie_in_the_body_and_carry_float64(solver: Solver) -> None:
+def test_arrays_are_finite_float64_of_the_declared_shapes(solver: Solver) -> None:
     solution = pulled(solver)
     T, P = len(solution.time), len(solution.reference)
     steps, dt = LEVEL.time_steps(PULLED)
@@ -334,7 +334,7 @@ def test_names_are_unique() -> None:
 
 
 @every_solver
-def test_a_name_is_a_netcdf_group_and_a_file_name(solver: Solver) -> None:
+def test_a_name_is_valid_for_a_netcdf_group_and_a_file(solver: Solver) -> None:
     assert re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9_.-]*[A-Za-z0-9])?", solver.name)
 
 
@@ -344,7 +344,7 @@ def test_a_solver_is_a_frozen_value(solver: Solver) -> None:
     assert again == solver
     assert hash(again) == hash(solver)
     assert again.name == solver.name
-    # A solver is a frozen dataclass, which its protocol cannot say.
+    # A solver is a frozen dataclass, which the protocol `Solver` cannot express.
     for field in dataclasses.fields(solver):
         with pytest.raises(dataclasses.FrozenInstanceError):
             setattr(solver, field.name, getattr(solver, field.name))
@@ -366,20 +366,20 @@ def test_results_are_deterministic_bit_for_bit(solver: Solver) -> None:
 
 
 @every_solver
-def test_solving_leaves_nothing_behind(solver: Solver) -> None:
-    """Another problem in between, even one that ends badly, changes no bit of the next result."""
+def test_a_result_does_not_depend_on_earlier_runs(solver: Solver) -> None:
+    """A run in between, even an unstable one, changes no bit of the next result."""
     first = solver.solve(FREE, LEVEL)
     solver.solve(PULLED, dataclasses.replace(LEVEL, courant=5.0))
     for (name, before), (_, after) in zip(arrays(first), arrays(solver.solve(FREE, LEVEL)), strict=True):
         assert before.tobytes() == after.tobytes(), name
 
 
-# Failure and misuse
+# Failed runs and refused problems
 
 
 @every_solver
 @pytest.mark.parametrize("courant", [5.0, 20.0])
-def test_far_above_the_stability_limit_the_outcome_is_advice(solver: Solver, courant: float) -> None:
+def test_far_above_the_stability_limit_the_outcome_has_advice(solver: Solver, courant: float) -> None:
     problem, level = elastic_bar(StepLoad()).problem, Discretisation(1 / 64, courant, 2)
     solution = solver.solve(problem, level)
     steps, _ = level.time_steps(problem)
@@ -393,7 +393,7 @@ def test_far_above_the_stability_limit_the_outcome_is_advice(solver: Solver, cou
     assert re.search(rf"step \d+ of {steps}", solution.outcome.detail)
     T, made = len(solution.time), len(solution.histories["time"]) - 1
     planned = output_steps(steps, problem.outputs)
-    assert 1 <= T == np.sum(planned <= made), "what was reached is returned"
+    assert 1 <= T == np.sum(planned <= made), "the outputs before the failure are returned"
     assert solution.work.steps <= steps
     for field in (solution.position, solution.weight, *solution.fields.values()):
         assert len(field) == T
@@ -401,7 +401,7 @@ def test_far_above_the_stability_limit_the_outcome_is_advice(solver: Solver, cou
 
 @dataclasses.dataclass(frozen=True)
 class Foreign(LinearElastic):
-    """A material that no solver knows."""
+    """Material that no solver supports."""
 
 
 ELASTIC_ENDS: dict[str, BoundaryCondition] = {"x-": Velocity(), "x+": Traction()}
@@ -421,16 +421,16 @@ REFUSED = {
         {"x-": Velocity(), "x+": Velocity(), "y-": Velocity(), "y+": Velocity()},
         1.0,
     ),
-    "a stress out of nowhere": Problem(
+    "displacement without stress": Problem(
         "displaced-bar", (0.0,), (1.0,), LinearElastic(1.0, 1.0), ELASTIC_ENDS, 1.0, {"displacement": swing}
     ),
 }
-"""Problems that no solver takes; but finite elements start from any displacement, and material points fill two dimensions."""
+"""Problems that no solver takes, except that finite elements take the displacement, and material points take two dimensions."""
 
 
 @every_solver
 @pytest.mark.parametrize("problem", REFUSED.values(), ids=REFUSED)
-def test_a_problem_that_a_solver_cannot_take_is_misuse(solver: Solver, problem: Problem) -> None:
+def test_a_problem_that_the_solver_cannot_take_is_refused(solver: Solver, problem: Problem) -> None:
     if problem.name == "square" and isinstance(solver, MaterialPoint):
         problem = dataclasses.replace(problem, boundary=problem.boundary | {"y+": Absorbing()})
     if problem.name == "displaced-bar" and isinstance(solver, FiniteElement):
@@ -440,47 +440,47 @@ def test_a_problem_that_a_solver_cannot_take_is_misuse(solver: Solver, problem: 
 
 TRANSPORT = advection(Gaussian()).problem
 NEO_HOOKEAN = Problem("neo-hookean-bar", (0.0,), (1.0,), NeoHookean(1.0, 1.0), ELASTIC_ENDS, 1.0)
-SILENT = Problem("silent-bar", (0.0,), (1.0,), LinearElastic(1.0, 1.0), {"x-": Velocity(), "x+": Absorbing()}, 1.0)
+ABSORBED = Problem("absorbing-bar", (0.0,), (1.0,), LinearElastic(1.0, 1.0), {"x-": Velocity(), "x+": Absorbing()}, 1.0)
 
 
 @every_solver
-def test_a_problem_of_another_family_is_misuse(solver: Solver) -> None:
+def test_materials_and_conditions_of_other_solvers_are_refused(solver: Solver) -> None:
     if isinstance(solver, TaylorGalerkin):
         assert_refused(solver, NEO_HOOKEAN)
         return
     assert_refused(solver, TRANSPORT)
-    assert_refused(solver, SILENT)
+    assert_refused(solver, ABSORBED)
     if isinstance(solver, FiniteElement) and solver.integrator == "newmark":
         assert_refused(solver, NEO_HOOKEAN)
 
 
 def assert_refused(solver: Solver, problem: Problem) -> None:
     level = Discretisation(problem.lengths[0] / 8, 0.2, 2)
-    with pytest.raises(UsageError) as misuse:
+    with pytest.raises(UsageError) as refusal:
         solver.solve(problem, level)
-    assert repr(solver.name) in str(misuse.value)
-    assert repr(problem.name) in str(misuse.value)
-    assert "it takes" in str(misuse.value)
+    assert repr(solver.name) in str(refusal.value)
+    assert repr(problem.name) in str(refusal.value)
+    assert "it takes" in str(refusal.value)
 
 
 @every_solver
-def test_a_cell_size_that_does_not_divide_the_body_is_misuse(solver: Solver) -> None:
+def test_a_cell_size_that_does_not_divide_the_body_is_refused(solver: Solver) -> None:
     with pytest.raises(UsageError, match=rf"'{PULLED.name}'.*does not divide"):
         solver.solve(PULLED, Discretisation(LENGTH / 24.5, 0.2, 2))
 
 
-# Sources: a solver never sees its answer
+# Sources: a solver imports no exact solution
 
 CORE = {"mpmverify.errors", "mpmverify.problem", "mpmverify.problem.material", "mpmverify.solution"}
 LIBRARIES = {"numpy", "numba", "scipy"}
 BEYOND = {"fem": {"skfem"}, "mpm": {"mpmverify.solvers.tracing"}, "tracing": {"llvmlite"}}
-"""What one family alone may import."""
+"""Packages that only one family may import."""
 FOLDER = Path(mpmverify.solvers.__file__).parent
 SOURCES = sorted(FOLDER.rglob("*.py"))
 
 
 def imported(path: Path, folder: Path) -> Iterator[str]:
-    """Modules that a file of the solvers' folder imports, with relative names resolved."""
+    """Modules that a source file of the solvers imports, with relative names resolved."""
     package = ["mpmverify", "solvers", *path.relative_to(folder).parts[:-1]]
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
@@ -488,12 +488,12 @@ def imported(path: Path, folder: Path) -> Iterator[str]:
         elif isinstance(node, ast.ImportFrom):
             base = ".".join(package[: len(package) + 1 - node.level]) if node.level else ""
             module = ".".join(part for part in (base, node.module) if part)
-            # What is imported from a package may itself be a module.
+            # A name that is imported from a package may be a module.
             yield from (f"{module}.{alias.name}" for alias in node.names) if module in ("mpmverify", base) else (module,)
 
 
 def forbidden(path: Path, folder: Path) -> list[str]:
-    """Imports of a solver's file beyond its own family, what a solver may see of the core, and its libraries."""
+    """Imports of a source file other than its own family, the rooms that a solver may import, and the libraries."""
     family = path.relative_to(folder).parts[0]
     own = f"mpmverify.solvers.{family}" if (folder / family).is_dir() else "mpmverify.solvers"
     beyond = BEYOND.get(family, set())
@@ -506,7 +506,7 @@ def forbidden(path: Path, folder: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(FOLDER)))
-def test_a_solver_never_sees_its_answer(path: Path) -> None:
+def test_a_solver_has_no_forbidden_import(path: Path) -> None:
     assert forbidden(path, FOLDER) == []
 
 
@@ -529,7 +529,7 @@ def test_a_solver_never_sees_its_answer(path: Path) -> None:
         "def late():\n    from mpmverify.studies import get",
     ],
 )
-def test_the_guard_sees_a_forbidden_import(line: str, tmp_path: Path) -> None:
+def test_a_forbidden_import_is_found(line: str, tmp_path: Path) -> None:
     path = tmp_path / "mpm" / "kernels.py"
     path.parent.mkdir()
     path.write_text(f"import numpy as np\nfrom mpmverify.problem import Array\nfrom . import laws\n{line}\n", encoding="utf-8")
@@ -547,13 +547,15 @@ def test_the_guard_sees_a_forbidden_import(line: str, tmp_path: Path) -> None:
         ("tracing/tracer.py", "from ..mpm import vectors", 1),
     ],
 )
-def test_the_compiler_is_shared_with_one_family_and_sees_none(file: str, line: str, count: int, tmp_path: Path) -> None:
+def test_only_the_material_point_method_may_import_the_compiler_which_imports_no_family(
+    file: str, line: str, count: int, tmp_path: Path
+) -> None:
     path = tmp_path / file
     path.parent.mkdir()
     path.write_text(f"{line}\n", encoding="utf-8")
     assert len(forbidden(path, tmp_path)) == count
 
 
-def test_the_guard_reads_every_source() -> None:
+def test_the_sources_of_every_family_are_read() -> None:
     assert {path.parent.name for path in SOURCES} >= {"fem", "mpm", "taylor_galerkin", "tracing"}
     assert {"mpmverify.problem", "numba"} <= {name for path in SOURCES for name in imported(path, FOLDER)}

@@ -1,4 +1,4 @@
-"""Two-step Taylor-Galerkin against its amplification factor, the GeHoJerez deck, d'Alembert and its conservation laws."""
+"""Two-step Taylor-Galerkin: amplification factor, the GeHoJerez deck, d'Alembert's solution, conservation, stability."""
 
 import dataclasses
 import itertools
@@ -40,7 +40,7 @@ ENDS = [Traction(), Velocity(), Absorbing()]
 
 @dataclass(frozen=True)
 class Pulse:
-    """A smooth datum that is zero to round-off at t = 0."""
+    """Gaussian pulse in time, zero to round-off at t = 0."""
 
     size: float = 1.0
     centre: float = 1.0
@@ -81,7 +81,7 @@ def unbalanced(solution: Solution, total: str, gained: str) -> Array:
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_every_fourier_mode_follows_the_amplification_factor(passes, nu, direction):
     n, a = 33, 2.5 * direction
-    steps = 4 if passes == 1 or nu < 3**-0.5 else 1  # an unstable run would be given up
+    steps = 4 if passes == 1 or nu < 3**-0.5 else 1  # an unstable run would be stopped
     theta = 2 * np.pi * np.arange(n) / n
     m = 1 - (1 - np.cos(theta)) / 3
     consistent = m / (1 - (1 - m) ** passes) if passes < 100 else m
@@ -98,7 +98,7 @@ def test_every_fourier_mode_follows_the_amplification_factor(passes, nu, directi
 
 
 def gehojerez_deck(elements: int, h: float, dt: float, steps: int) -> Array:
-    """Gauss-point (stress, velocity) (steps + 1, 2, elements) of the driver of May 2019; E = rho = 1, no contour term."""
+    """Gauss-point (stress, velocity) (steps + 1, 2, elements) of the deck of May 2019; E = rho = 1, no contour flux."""
     stress, velocity = np.zeros((2, elements + 1))
     lumped = np.full(elements + 1, h)
     lumped[[0, -1]] = h / 2
@@ -121,8 +121,8 @@ def gehojerez_deck(elements: int, h: float, dt: float, steps: int) -> Array:
 def test_the_gehojerez_deck_is_the_free_fixed_bar_with_one_moving_node(length, elements, dt):
     h, steps = length / elements, 25
     deck = gehojerez_deck(elements, h, dt, steps)
-    knock = {"velocity": lambda X: -np.maximum(0, 1 - X / h)}
-    case = problem(LinearElastic(1.0, 1.0), Traction(), Velocity(), (steps - 1) * dt, knock, length)
+    initial_velocity = {"velocity": lambda X: -np.maximum(0, 1 - X / h)}
+    case = problem(LinearElastic(1.0, 1.0), Traction(), Velocity(), (steps - 1) * dt, initial_velocity, length)
     solution = TaylorGalerkin().solve(case, Discretisation(h, 1.0))
     assert solution.dt == dt
     for component, quantity in enumerate(("stress", "velocity")):
@@ -151,12 +151,12 @@ def test_reflecting_ends_are_mirrors_at_the_unit_courant_number():
 def one_step(
     left: BoundaryCondition, right: BoundaryCondition, passes: int, nu: float, n: int, *, characteristic=False, scale=1.0
 ) -> Array:
-    """Matrix (2 (n + 1), 2 (n + 1)) of a step of the bar."""
+    """Matrix (2 (n + 1), 2 (n + 1)) of one time step of the bar."""
     case = problem(BAR, left, right, 1.0)
     _, form = taylor_galerkin.first_order_form(case, "probe")
-    bounded, (prescribed, enters, holds, datum) = taylor_galerkin.closure(case, "probe", np.zeros(3))
+    bounded, (prescribed, incoming, correction, datum) = taylor_galerkin.boundary_terms(case, "probe", np.zeros(3))
     assert bounded
-    faces = (prescribed, enters, scale * (enters if characteristic else holds), datum)
+    faces = (prescribed, incoming, scale * (incoming if characteristic else correction), datum)
     mass = np.full(n + 1, 1 / n)
     mass[[0, -1]] /= 2
     columns = []
@@ -169,7 +169,7 @@ def one_step(
 
 
 def largest_power(matrix: Array, steps: int) -> float:
-    """max_n ||G^n||, in the norm where sigma/Z and v weigh the same."""
+    """Largest norm of a power, max_n ||G^n|| for n up to `steps`, in the norm in which sigma/Z and v have equal weight."""
     scale = np.tile([1 / Z, 1.0], len(matrix) // 2)
     matrix = scale[:, None] * matrix / scale
     power, largest = np.eye(len(matrix)), 0.0
@@ -182,15 +182,15 @@ def largest_power(matrix: Array, steps: int) -> float:
 @pytest.mark.parametrize("passes", [1, 2, 3, 6, 20])
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.99])
 @pytest.mark.parametrize("n", [4, 5, 16])
-def test_no_end_amplifies_what_it_reflects(passes, share, n):
-    """The bar is stable to the Courant number of the interior, 1 or 1/sqrt(3)."""
+def test_no_boundary_condition_amplifies_reflected_waves(passes, share, n):
+    """The bar is stable up to the limit of the interior scheme, nu_C = 1 or 1/sqrt(3)."""
     nu = share * (1.0 if passes == 1 else 3**-0.5)
     for left, right in itertools.product(ENDS, repeat=2):
         assert largest_power(one_step(left, right, passes, nu, n), 300) < 6
 
 
 def energy_norm(left: BoundaryCondition, right: BoundaryCondition, passes: int, nu: float, n: int, **otherwise) -> float:
-    """Norm of a step, in the energy of the lumped mass, on states that fulfil what a fixed or a free end prescribes."""
+    """Norm of one step in the energy of the lumped mass, restricted to states that satisfy the conditions at both ends."""
     mass = np.full(n + 1, 1.0)
     mass[[0, -1]] /= 2
     scale = (np.sqrt(mass)[:, None] * [1 / Z, 1.0]).ravel()
@@ -201,46 +201,46 @@ def energy_norm(left: BoundaryCondition, right: BoundaryCondition, passes: int, 
 
 @pytest.mark.parametrize(("passes", "nu"), [(1, 0.3), (1, 0.7), (1, 1.0), (3, 0.3), (3, 0.4), (3, 0.5), (3, 0.55)])
 @pytest.mark.parametrize("n", [4, 16])
-def test_no_step_adds_energy_to_a_bar_between_fixed_and_free_ends(passes, nu, n):
+def test_no_step_adds_energy_with_fixed_or_free_ends(passes, nu, n):
     for left, right in itertools.product((Velocity(), Traction()), repeat=2):
         assert energy_norm(left, right, passes, nu, n) <= 1 + 1e-14
 
 
-def test_later_passes_that_do_not_hold_the_prescribed_unknown_add_energy():
+def test_later_passes_without_the_correction_add_energy():
     assert energy_norm(Velocity(), Velocity(), 3, 0.5, 16, scale=0.0) > 1 + 1e-4
 
 
-def test_at_the_limit_itself_nothing_grows_faster_than_linearly():
-    """At nu_C = 1 the lumped mass of an end node turns its deviation from the datum over at every step, undamped."""
+def test_at_the_stability_limit_growth_is_at_most_linear():
+    """At nu_C = 1 with the lumped mass, the deviation of an end node from its datum changes sign at every step, undamped."""
     for left, right in itertools.product(ENDS, repeat=2):
         step = one_step(left, right, 1, 1.0, 8)
         assert largest_power(step, 400) < 2.1 * max(largest_power(step, 200), 2)
 
 
 @pytest.mark.parametrize("otherwise", [{"characteristic": True}, {"scale": 0.0}])
-def test_later_passes_that_do_not_hold_the_prescribed_unknown_alone_amplify(otherwise):
+def test_later_passes_with_another_correction_or_none_are_unstable(otherwise):
     assert largest_power(one_step(Velocity(), Traction(), 6, 0.99 * 3**-0.5, 4, **otherwise), 300) > 1e6
 
 
 @pytest.mark.parametrize("normal", [-1, 1])
 @pytest.mark.parametrize("courant", [0.3, 0.8])
-def test_what_leaves_a_face_does_not_know_what_is_prescribed_there(normal, courant):
-    """One lumped step: sigma - n Z v of the last node is the same under every condition, and what enters is not."""
+def test_the_outgoing_characteristic_is_independent_of_the_boundary_condition(normal, courant):
+    """After one lumped step sigma - n Z v of the end node is the same under every condition; sigma + n Z v is not."""
     n = 9
     stress, velocity = np.random.default_rng(n).standard_normal((2, n + 1))
-    leaving, entering = [], []
+    outgoing, incoming = [], []
     for condition in ENDS:
         step = one_step(*[Absorbing(), condition][::normal], 1, courant, n)
         after = (step @ np.stack([stress, velocity], axis=1).ravel()).reshape(n + 1, 2)[n if normal > 0 else 0]
-        leaving.append(after[0] - normal * Z * after[1])
-        entering.append(after[0] + normal * Z * after[1])
-    assert np.ptp(leaving) < 1e-13 * np.abs(leaving).max()
-    assert np.ptp(entering) > 0.1
+        outgoing.append(after[0] - normal * Z * after[1])
+        incoming.append(after[0] + normal * Z * after[1])
+    assert np.ptp(outgoing) < 1e-13 * np.abs(outgoing).max()
+    assert np.ptp(incoming) > 0.1
 
 
 @pytest.mark.parametrize("passes", [1, 3])
 @pytest.mark.parametrize(("left", "right"), list(itertools.product([Traction, Velocity, Absorbing], repeat=2)))
-def test_momentum_changes_by_the_impulse_alone(passes, left, right):
+def test_the_change_of_momentum_is_the_impulse(passes, left, right):
     def end(kind, size):
         return kind() if kind is Absorbing else kind(Pulse(size, centre=0.2))
 
@@ -268,7 +268,7 @@ def test_a_free_bar_gains_exactly_the_impulse_of_its_load():
 
 @pytest.mark.parametrize("passes", [1, 3])
 @pytest.mark.parametrize("velocity", [1.5, -1.5])
-def test_mass_changes_by_the_inflow_alone(passes, velocity):
+def test_the_change_of_mass_is_the_inflow(passes, velocity):
     faces = [Inflow(Pulse(2.0, 0.3)), Outflow()][:: int(np.sign(velocity))]
     case = problem(Transport(velocity), *faces, 1.1, {"u": lambda X: np.sin(5 * X)})
     solution = TaylorGalerkin(passes).solve(case, Discretisation(1 / 40, 0.5))
@@ -295,7 +295,10 @@ def test_advection_from_the_inflow_is_second_order(passes, velocity):
 @pytest.mark.parametrize("drive", [Traction, Velocity])
 @pytest.mark.parametrize(("left", "reflection"), [(Velocity(), 1.0), (Traction(), -1.0), (Absorbing(), 0.0)])
 def test_a_pulse_in_a_bar_converges_to_dalembert_at_second_order(passes, drive, left, reflection):
-    """Images: sigma = sum_n (r_L r_R)^n [q(t - (2nL+L-x)/c) + r_L q(t - (2nL+L+x)/c)]; rho c v with a minus on the second."""
+    """Method of images: sigma = sum_n (r_L r_R)^n [q(t - (2nL+L-x)/c) + r_L q(t - (2nL+L+x)/c)].
+
+    In rho c v the second term has the opposite sign.
+    """
     pulse = Pulse(centre=0.6)
     amplitude, back = (1.0, -1.0) if drive is Traction else (Z, 1.0)
 
@@ -327,7 +330,7 @@ def test_a_mirrored_problem_has_the_mirrored_solution(ends):
 
 @pytest.mark.parametrize("passes", [1, 3])
 def test_a_forced_bar_converges_at_second_order_and_balances_its_energy(passes):
-    """Displacement sin(pi X) (1 - cos(w t)) between fixed ends, b = u_tt - c^2 u_xx."""
+    """Manufactured solution u = sin(pi X) (1 - cos(w t)) between fixed ends, with b = u_tt - c^2 u_xx."""
     w = 4.0
 
     def body_force(X, t):
@@ -357,7 +360,7 @@ def test_a_forced_bar_converges_at_second_order_and_balances_its_energy(passes):
     assert order(energy_error, 20) > 1.9
 
 
-def test_the_body_force_may_come_in_blocks(monkeypatch):
+def test_evaluating_the_body_force_in_blocks_changes_nothing(monkeypatch):
     case = problem(BAR, Traction(), Velocity(), 1.0, body_force=lambda X, t: np.sin(t[:, None, None] + X))
     whole = TaylorGalerkin().solve(case, Discretisation(1 / 10, 0.5))
     monkeypatch.setattr(taylor_galerkin, "BLOCK", 70)
@@ -367,7 +370,7 @@ def test_the_body_force_may_come_in_blocks(monkeypatch):
 
 
 @pytest.mark.parametrize("end", [Traction, Velocity])
-def test_a_load_does_its_work(end):
+def test_the_external_work_of_an_end_load_balances_the_energy(end):
     def error(n):
         history = (
             TaylorGalerkin().solve(problem(BAR, Velocity(), end(Pulse(centre=0.5)), 1.5), Discretisation(1 / n, 0.8)).histories
@@ -386,7 +389,7 @@ def test_a_step_load_travels_without_error_at_the_unit_courant_number():
         for k in range(4)
     )
     wrong = np.abs(solution.fields["stress"][..., 0] - exact) > 1e-12
-    assert wrong.sum(axis=1).max() <= 2  # the elements on either side of the front, which stands on a node
+    assert wrong.sum(axis=1).max() <= 2  # the two elements beside the front, which lies on a node
     assert np.abs(exact).max() == 6.0
     early = slice(1, 50)
     behind_the_front = solution.fields["stress"][early, :, 0].mean(axis=1)
@@ -394,7 +397,7 @@ def test_a_step_load_travels_without_error_at_the_unit_courant_number():
 
 
 @pytest.mark.parametrize("passes", [1, 3])
-def test_an_absorbing_end_lets_a_pulse_out(passes):
+def test_an_absorbing_end_reflects_less_than_a_thousandth_of_a_pulse(passes):
     def shape(X):
         return np.exp(-(((X - 0.5) / 0.1) ** 2))
 
@@ -412,7 +415,7 @@ def test_an_absorbing_end_lets_a_pulse_out(passes):
 
 @pytest.mark.parametrize(("passes", "limit"), [(1, 1.0), (3, 3**-0.5), (60, 3**-0.5)])
 @pytest.mark.parametrize(("left", "right"), [*itertools.product(ENDS, repeat=2), (Periodic(), Periodic())])
-def test_below_its_limit_a_bar_never_gains_energy(passes, limit, left, right):
+def test_below_the_stability_limit_the_energy_does_not_grow(passes, limit, left, right):
     rng = np.random.default_rng(5)
     initial = {quantity: lambda X: rng.standard_normal(X.shape) for quantity in ("stress", "velocity")}
     case = problem(BAR, left, right, 20 / C, initial, outputs=1)
@@ -425,7 +428,7 @@ def test_below_its_limit_a_bar_never_gains_energy(passes, limit, left, right):
 
 @pytest.mark.parametrize(("passes", "limit"), [(1, 1.0), (60, 3**-0.5)])
 @pytest.mark.parametrize(("left", "right"), [(Traction(), Velocity()), (Velocity(), Velocity()), (Periodic(), Periodic())])
-def test_above_its_limit_the_outcome_is_unstable_with_advice(passes, limit, left, right):
+def test_above_the_stability_limit_the_outcome_is_unstable_with_advice(passes, limit, left, right):
     rng = np.random.default_rng(5)
     initial = {quantity: lambda X: rng.standard_normal(X.shape) for quantity in ("stress", "velocity")}
     case = problem(BAR, left, right, 20 / C, initial)
@@ -442,14 +445,14 @@ def test_above_its_limit_the_outcome_is_unstable_with_advice(passes, limit, left
 
 
 @pytest.mark.parametrize("courant", [2.0, 1e3])
-def test_smooth_data_far_above_the_limit_are_given_up_long_before_overflow(courant):
+def test_an_unstable_run_with_smooth_data_stops_long_before_overflow(courant):
     case = problem(Transport(1.0), Periodic(), Periodic(), 1e4, {"u": lambda X: np.sin(2 * np.pi * X)})
     solution = TaylorGalerkin().solve(case, Discretisation(1 / 20, courant))
     assert solution.outcome.status is Status.UNSTABLE
     assert np.abs(solution.fields["u"]).max() <= 10
 
 
-def test_a_datum_that_is_not_a_number_ends_the_run():
+def test_nan_in_boundary_or_initial_data_is_a_non_finite_outcome():
     case = problem(BAR, Velocity(), Traction(Constant(float("nan"))), 1.0)
     solution = TaylorGalerkin().solve(case, Discretisation(0.1, 0.5))
     assert solution.outcome.status is Status.NON_FINITE
@@ -458,7 +461,7 @@ def test_a_datum_that_is_not_a_number_ends_the_run():
 
 
 @pytest.mark.parametrize("passes", [1, 3])
-def test_steady_pulling_and_rest_are_not_taken_for_instability(passes):
+def test_neither_a_bar_at_rest_nor_one_pulled_steadily_counts_as_unstable(passes):
     rest = TaylorGalerkin(passes).solve(problem(BAR, Velocity(), Traction(), 5.0), Discretisation(0.05, 0.5))
     assert rest.outcome.completed
     assert not rest.fields["stress"].any()
@@ -480,7 +483,7 @@ def test_the_sample_points_are_the_gauss_points():
     assert solution.work.seconds > 0
 
 
-def test_schemes_are_named_by_their_choices():
+def test_the_name_tells_the_number_of_passes():
     names = [TaylorGalerkin(passes).name for passes in (1, 2, 3)]
     assert names == ["tg-lumped", "tg-consistent-2", "tg-consistent-3"]
     assert TaylorGalerkin() == TaylorGalerkin(1)
@@ -502,11 +505,11 @@ def test_schemes_are_named_by_their_choices():
         (Problem("square", (0, 0), (1, 1), BAR, dict.fromkeys(("x-", "x+", "y-", "y+"), Velocity()), 1.0), "one dimension"),
     ],
 )
-def test_misuse_names_the_remedy(case, remedy):
+def test_a_problem_that_the_scheme_cannot_solve_is_refused(case, remedy):
     with pytest.raises(UsageError, match=remedy):
         TaylorGalerkin().solve(case, Discretisation(0.1, 0.5))
 
 
-def test_no_pass_is_no_scheme():
+def test_zero_passes_are_refused():
     with pytest.raises(UsageError, match="at least one"):
         TaylorGalerkin(passes=0)

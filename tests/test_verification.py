@@ -1,4 +1,4 @@
-"""A solver of any origin on a problem: what it declares must hold, and nothing passes that was not judged."""
+"""`verify`: the orders and invariants that a solver declares must be measured, and nothing passes without being judged."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -29,7 +29,7 @@ HILL = study()
 
 @dataclass(frozen=True)
 class Claiming(Scripted):
-    """Claims more or less than it does."""
+    """Scripted solver with declared orders and invariants that may differ from the real ones."""
 
     claimed: float = 2.0
     of: str = "u"
@@ -45,10 +45,10 @@ class Claiming(Scripted):
 
 
 class Plain:
-    """No dataclass, and of no module that another process could import."""
+    """Solver that is not a dataclass."""
 
     name = "plain"
-    orders = {"u": 2.0}  # noqa: RUF012 - as plain as its author would write it
+    orders = {"u": 2.0}  # noqa: RUF012 - as a user would write it
     conserves = frozenset()
 
     def solve(self, problem, discretisation):
@@ -59,11 +59,11 @@ def verdicts(solver, **choices):
     return {finding.criterion: finding.verdict for finding in verify(solver, HILL, **choices)}
 
 
-# The rule.
+# Expectations.
 
 
 @given(st.floats(0.5, 8.0), st.floats(1.0, 20.0))
-def test_a_rough_solution_admits_no_more_than_a_smooth_one(order, derivatives):
+def test_the_band_of_orders_does_not_rise_with_fewer_derivatives(order, derivatives):
     low, high = order_band(order, derivatives)
     smooth = order_band(order, math.inf)
     assert smooth == pytest.approx((order - MARGIN, order + MARGIN))
@@ -78,7 +78,7 @@ def test_a_rough_solution_admits_no_more_than_a_smooth_one(order, derivatives):
 @pytest.mark.parametrize(
     ("order", "derivatives", "theory"), [(1, 1, 1 / 2), (1, 2, 1), (2, 1, 1 / 2), (2, 1, 5 / 8), (2, 2, 4 / 3), (2, 3, 2)]
 )
-def test_the_orders_of_the_literature_lie_well_inside_the_band(order, derivatives, theory):
+def test_orders_from_the_literature_are_inside_the_band_by_a_margin(order, derivatives, theory):
     low, high = order_band(order, derivatives)
     assert low + 0.1 < theory < high - 0.1
 
@@ -95,7 +95,7 @@ def test_the_orders_of_the_literature_lie_well_inside_the_band(order, derivative
     ],
     ids=["step", "ramp", "pulse"],
 )
-def test_the_displacement_has_one_derivative_more(problem, expected):
+def test_expected_orders_follow_from_the_smoothness_of_each_quantity(problem, expected):
     @dataclass(frozen=True)
     class Bar(Scripted):
         @property
@@ -103,13 +103,13 @@ def test_the_displacement_has_one_derivative_more(problem, expected):
             return {"u": 1.0, "velocity": 2.0, "displacement": 2.0}
 
     found = {c.quantity: (c.norm, c.low, c.high) for c in expectations(Bar(), problem) if isinstance(c, Order)}
-    assert found.keys() == expected.keys(), "an order of what the problem lacks is no expectation"
+    assert found.keys() == expected.keys(), "the problem has no field u, so that its order is not expected"
     for quantity, (norm, *edges) in expected.items():
         assert found[quantity][0] == norm
         assert found[quantity][1:] == pytest.approx(edges, abs=1e-3)
 
 
-def test_what_is_conserved_depends_on_the_problem():
+def test_the_expected_balances_depend_on_the_problem():
     def balances(problem, kept=("mass", "momentum")):
         solver = Claiming(of="u" if "u" in problem.exact.fields else "velocity", kept=kept)
         return [(c.stock, c.source_term) for c in expectations(solver, problem) if isinstance(c, Balance)]
@@ -123,7 +123,7 @@ def test_what_is_conserved_depends_on_the_problem():
 
 
 @pytest.mark.parametrize("case", ["step", "ramp", "pulse"])
-def test_the_shipped_scheme_keeps_what_it_declares(case):
+def test_taylor_galerkin_keeps_its_declared_orders(case):
     """Taylor-Galerkin declares order 2 of stress and velocity: at a jump, at a kink and on smooth data."""
     from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 
@@ -131,8 +131,8 @@ def test_the_shipped_scheme_keeps_what_it_declares(case):
     assert [finding.verdict for finding in found] == [Verdict.PASS] * 3
 
 
-def test_on_smooth_data_it_cannot_declare_another_order():
-    """A jump could not tell: there the orders of all schemes lie close together."""
+def test_taylor_galerkin_with_another_declared_order_fails_on_smooth_data():
+    """At a jump the orders of all schemes are close together and tell little."""
     from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 
     @dataclass(frozen=True)
@@ -147,7 +147,7 @@ def test_on_smooth_data_it_cannot_declare_another_order():
 
 @dataclass(frozen=True)
 class Declaring:
-    """Declares anything at all."""
+    """Solver with any declared orders and invariants."""
 
     orders: Any = field(default_factory=lambda: {"u": 2.0})
     conserves: Any = frozenset({"mass"})
@@ -157,22 +157,22 @@ class Declaring:
         return transported(problem, discretisation, discretisation.h**2)
 
 
-# The verdicts.
+# Verdicts.
 
 
-def test_a_solver_that_keeps_its_word_passes():
+def test_a_solver_with_correct_declarations_passes():
     assert verdicts(Scripted()) == {"order of u in L2 in [1.85, 2.15]": Verdict.PASS, "mass conserved": Verdict.PASS}
     assert verdicts(Plain()) == {"order of u in L2 in [1.85, 2.15]": Verdict.PASS}
 
 
 @pytest.mark.parametrize("claimed", [1.0, 1.7, 2.3, 3.0])
-def test_another_order_than_the_declared_one_fails(claimed):
+def test_a_measured_order_that_differs_from_the_declared_one_fails(claimed):
     found = verify(Claiming(claimed=claimed), HILL)
     assert [finding.verdict for finding in found] == [Verdict.FAIL, Verdict.PASS]
 
 
 @pytest.mark.parametrize("behaviour", sorted(BEHAVIOURS.keys() - {"good", "dies", "hangs", "dawdles"}))
-def test_what_cannot_be_judged_is_an_error_with_its_outcome(behaviour):
+def test_a_failed_run_is_an_error_with_its_outcome(behaviour):
     found = verify(Scripted(behaviour), HILL)
     assert [finding.verdict for finding in found] == [Verdict.ERROR] * 2
     for finding in found:
@@ -180,11 +180,11 @@ def test_what_cannot_be_judged_is_an_error_with_its_outcome(behaviour):
         assert "every level: " in finding.reason or "h=0.03125: " in finding.reason
 
 
-def test_one_level_that_erred_is_enough():
+def test_one_failed_level_makes_the_verdict_an_error():
     assert set(verdicts(Scripted("nan", below=0.04)).values()) == {Verdict.ERROR}
 
 
-def test_a_quantity_or_a_history_that_is_not_returned_is_an_error():
+def test_a_missing_quantity_or_history_is_an_error():
     assert verdicts(Claiming(kept=("mass",), of="u"), criteria=[Order("velocity", "L2", 1, 3, "ours")]) == {
         "order of velocity in L2 in [1, 3]": Verdict.ERROR
     }
@@ -201,7 +201,7 @@ def test_a_quantity_or_a_history_that_is_not_returned_is_an_error():
 
 @pytest.mark.parametrize("criterion", [Balance("momentum", "impulse", "s"), EnergyDrift(1.8, "s"), EnergyConserved("s")])
 @pytest.mark.parametrize("stored", [False, True])
-def test_what_the_solver_does_not_return_is_named_and_not_only_what_is_made_of_it(criterion, stored, tmp_path):
+def test_the_reason_names_the_history_that_the_solver_does_not_return(criterion, stored, tmp_path):
     needed = {"momentum", "impulse"} if isinstance(criterion, Balance) else {"kinetic_energy", "strain_energy", "external_work"}
     if stored:
         (judged,) = run([study(criteria=(criterion,))], plan(tmp_path))
@@ -213,7 +213,7 @@ def test_what_the_solver_does_not_return_is_named_and_not_only_what_is_made_of_i
     assert all(f"'{name}'" in finding.reason for name in needed)
 
 
-def test_a_solution_without_any_error_or_with_two_levels_proves_no_order():
+def test_an_order_is_inconclusive_for_zero_errors_or_two_levels():
     class Perfect(Plain):
         def solve(self, problem, discretisation):
             return transported(problem, discretisation, 0.0)
@@ -226,8 +226,8 @@ def test_a_solution_without_any_error_or_with_two_levels_proves_no_order():
     assert set(verdicts(Plain(), refinement=ladder(2), tier="full").values()) == {Verdict.PASS}
 
 
-def test_nothing_of_an_earlier_run_is_reused():
-    """A library that was built anew looks the same from here."""
+def test_verify_reuses_no_earlier_run():
+    """A solver in a rebuilt library has the same Python source."""
     behaviour = ["good"]
 
     class Rebuilt(Plain):
@@ -262,7 +262,7 @@ def test_nothing_of_an_earlier_run_is_reused():
         (Plain(), {"timeout": 60.0, "criteria": None}, None),
     ],
 )
-def test_where_nothing_can_be_judged_a_sentence_says_why(solver, choices, sentence):
+def test_a_usage_error_says_why_nothing_can_be_judged(solver, choices, sentence):
     if sentence is None:
         local = type("Local", (Plain,), {})()
         with pytest.raises(
@@ -276,7 +276,7 @@ def test_where_nothing_can_be_judged_a_sentence_says_why(solver, choices, senten
     assert "\n" not in str(caught.value)
 
 
-def test_a_study_of_several_cases_wants_to_know_which():
+def test_a_study_with_several_cases_needs_the_name_of_one():
     with pytest.raises(UsageError, match="study 'elastic-bar' has several cases: choose from step, ramp, pulse"):
         verify(Scripted(), studies.get("elastic-bar"))
 
@@ -285,15 +285,15 @@ def test_a_study_of_several_cases_wants_to_know_which():
     "refinement",
     [in_time(1.0, 8, quick=3, full=3, courant=0.5), halving(1.0, 8, quick=3, full=3, courant=0.5, courant_power=1)],
 )
-def test_declared_orders_are_looked_for_on_a_ladder_in_h_at_one_courant_number_alone(refinement):
-    """On any other a scheme of another order could pass, or the right one fail."""
+def test_declared_orders_need_a_ladder_in_h_at_one_courant_number(refinement):
+    """On any other refinement a scheme of another order could pass, or the correct one fail."""
     with pytest.raises(UsageError, match=r"is not a ladder in h at one Courant number, .* give such a ladder by refinement="):
         verify(Plain(), HILL, refinement=refinement)
     given = verify(Plain(), HILL, refinement=refinement, criteria=[Order("u", "L2", 1.85, 2.15, "ours")])
     assert [finding.refinement for finding in given] == [refinement.label]
 
 
-def test_a_design_shows_no_declared_order_and_the_first_ladder_in_h_is_taken():
+def test_a_design_is_refused_and_by_default_the_first_ladder_in_h_is_used():
     with pytest.raises(UsageError, match="'3 h x 4 dt' on case 'h-and-dt' is not a ladder in h"):
         verify(MaterialPoint(), studies.get("error-sources"), "h-and-dt")
     (case,) = HILL.cases
@@ -302,7 +302,7 @@ def test_a_design_shows_no_declared_order_and_the_first_ladder_in_h_is_taken():
     assert [(finding.refinement, finding.verdict) for finding in found] == [(ladder().label, Verdict.PASS)]
 
 
-def test_a_run_that_hangs_or_kills_its_process_is_an_error_under_a_time_limit():
+def test_with_a_time_limit_a_run_that_hangs_or_exits_is_an_error():
     for behaviour, outcome in (("hangs", "timed out; no result within 1 s"), ("dies", "the process died with exit status 3")):
         found = verify(Scripted(behaviour, below=0.04), HILL, timeout=1.0)
         assert [finding.verdict for finding in found] == [Verdict.ERROR] * 2
@@ -310,10 +310,10 @@ def test_a_run_that_hangs_or_kills_its_process_is_an_error_under_a_time_limit():
     assert set(verdicts(Scripted(), timeout=60.0).values()) == {Verdict.PASS}
 
 
-# The evidence.
+# Evidence.
 
 
-def test_a_quantity_that_one_level_lacks_is_absent_and_a_metric_is_not_a_number():
+def test_a_quantity_missing_on_one_level_is_absent_and_a_missing_metric_is_nan():
     from mpmverify.criteria.evidence import Level
 
     norms = (np.ones(4), np.ones(4))

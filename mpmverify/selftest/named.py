@@ -225,7 +225,7 @@ TAYLOR_GALERKIN = (
     _fault(
         TG, "one row of the consistent element mass matrix doubled", (TG_LOOP, "MdU[i, k] += h / 6 *", "MdU[i, k] += h / 3 *")
     ),
-    _fault(TG, "prescribed unknown not enforced in later passes", (TG_LOOP, "dU[i, k] += holds[face, k] * gap", "pass")),
+    _fault(TG, "prescribed unknown not enforced in later passes", (TG_LOOP, "dU[i, k] += correction[face, k] * gap", "pass")),
     _fault(TG, "full nodal mass at the end nodes", (TG_SOLVER, "mass[[0, -1]] = 0.5 * h", "pass")),
     _fault(TG, "P-wave modulus halved", (TG_SOLVER, MODULUS, MODULUS.replace("-(", "-0.5 * ("))),
     _fault(TG, "first Lame constant omitted", (TG_SOLVER, MODULUS, MODULUS.replace("material.lame_lambda + ", ""))),

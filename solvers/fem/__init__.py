@@ -1,4 +1,4 @@
-"""Finite element reference on scikit-fem; it shares no kernel with the other solvers."""
+"""Finite element reference built on scikit-fem; it shares no kernel with the other solvers."""
 
 from .solver import FiniteElement
 

@@ -1,4 +1,4 @@
-"""The finite element method on a bar, assembled by scikit-fem: the independent oracle."""
+"""Finite element method for a bar, assembled by scikit-fem: the reference that shares no kernel with the other solvers."""
 
 import math
 import time
@@ -46,24 +46,24 @@ from .kernel import (
     advance,
 )
 
-# Two Gauss points more than the superconvergent ones, or the L2 norm of the stress would flatter.
+# Two Gauss points more than the superconvergent ones: sampled there alone, the stress error would come out too small.
 ELEMENTS = {1: (ElementLineP1(), 5), 2: (ElementLineP2(), 7)}
-"""Element and quadrature order by degree."""
+"""Element and order of the quadrature, by degree."""
 BETA = {"central-differences": 0.0, "newmark": 0.25}
 """Newmark's beta by integrator; gamma is 1/2 in both."""
 BLOCK = 2**21
-"""Values of the body force held at once."""
+"""Largest number of body-force values that are stored at once."""
 
 
 def lower_bands(matrix: Any) -> Array:
-    """Lower bands of a symmetric sparse matrix, as many as it has."""
+    """Diagonal and lower bands (width + 1, n) of a symmetric sparse matrix A: row d has the entries A[j + d, j]."""
     entries = matrix.tocoo()
     width = int(np.max(entries.row - entries.col))
     return np.stack([np.pad(matrix.diagonal(-d), (0, d)) for d in range(width + 1)])
 
 
 def factorised(mass: Any, operator: Any, held: NDArray[np.bool_]) -> Bands:
-    """Bands of sparse matrices, those of a held end being the identity's in the factor."""
+    """Bands of both matrices, and the Cholesky factor of the operator with held ends replaced by identity rows."""
     free = np.ones(operator.shape[0])
     free[[0, -1]] = ~held
     reduced = diags_array(free) @ operator @ diags_array(free) + diags_array(1 - free)
@@ -73,12 +73,13 @@ def factorised(mass: Any, operator: Any, held: NDArray[np.bool_]) -> Bands:
 
 
 def end_conditions(problem: Problem, law: LinearElastic, t: Array, dt: float) -> tuple[Ends, Array, float]:
-    """Ends, their initial velocity (2,) [m/s] and the largest amplitude that they send into the bar [m/s].
+    """Return the ends, their initial velocity (2,) [m/s] and the largest velocity amplitude that they send into the bar [m/s].
 
-    The acceleration is the second difference of the prescribed displacement, with the prescribed velocity at the first and
-    last instants: central differences then take the end exactly where it must be, the average acceleration rule within
-    O(dt^2) without drift, and momentum balances to round-off, since the end obeys the scheme's recurrences. Prescribing
-    displacement and velocity instead would leave the acceleration to an undamped alternating recurrence.
+    The prescribed acceleration is the second difference of the prescribed displacement; at the first and last instants the
+    prescribed velocity enters. With central differences the end then follows its displacement exactly, with the average
+    acceleration rule within O(dt^2) and without drift. Momentum balances to round-off, because the end obeys the same
+    recurrences as every node. Prescribing displacement and velocity instead would determine the acceleration by an
+    alternating recurrence without damping.
     """
     ends, velocity, amplitude = Ends(np.zeros(2, bool), np.zeros((len(t), 2)), np.zeros((len(t), 2))), np.zeros(2), 0.0
     for end, (face, normal) in enumerate((("x-", -1), ("x+", 1))):
@@ -96,21 +97,22 @@ def end_conditions(problem: Problem, law: LinearElastic, t: Array, dt: float) ->
 
 @dataclass(frozen=True)
 class FiniteElement:
-    """Displacement finite elements on a bar, M a = f_ext - int B^T P(1 + B u) dX, in time by Newmark's family.
+    """Displacement-based finite elements for a bar, M a = f_ext - int B^T P(1 + B u) dX, with Newmark time integration.
 
     Parameters
     ----------
     degree : int
-        1 or 2.
+        Degree of the shape functions, 1 or 2.
     mass : str
-        "consistent", or "lumped" by row sums, which for degree 2 are Simpson's (Lobatto's) weights.
+        Mass matrix: "consistent", or "lumped" by row sums (for degree 2 these are the weights of Simpson's rule).
     integrator : str
-        "central-differences", or "newmark", the average acceleration: for the linear law only, stable at any step.
+        "central-differences", or "newmark" for the average acceleration rule, which is stable at any time step and takes the
+        linear elastic law only.
 
     Raises
     ------
     UsageError
-        If a choice is not one of these.
+        If a parameter has any other value.
 
     Notes
     -----
@@ -142,12 +144,12 @@ class FiniteElement:
 
     @property
     def space_orders(self) -> Mapping[str, float]:
-        """Order in h of the L2 error by quantity when the time error is negligible."""
+        """Order in h of the L2 error of each quantity where the time error is negligible."""
         return {"displacement": self.degree + 1, "velocity": self.degree + 1, "stress": self.degree}
 
     @property
     def orders(self) -> Mapping[str, float]:
-        """Order in h with dt proportional to h: the integrators are of second order."""
+        """Order in h with dt proportional to h: at most 2, the order of both integrators."""
         return {quantity: min(order, 2) for quantity, order in self.space_orders.items()}
 
     @property
@@ -155,12 +157,12 @@ class FiniteElement:
         return frozenset({"mass", "momentum"})
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
-        """Solve on a bar of density rho0 with free, loaded, fixed or driven ends.
+        """Solve for a bar with free, loaded, fixed or driven ends; the sample points are the quadrature points.
 
         Raises
         ------
         UsageError
-            If the problem is none of these, or starts from a stress without the displacement that causes it.
+            If the problem is not such a bar, or prescribes an initial stress without the initial displacement that causes it.
         """
         law, beta = problem.material, BETA[self.integrator]
         require(problem.dimension == 1, self.name, problem, "one dimension")
@@ -178,7 +180,7 @@ class FiniteElement:
         basis = Basis(MeshLine(np.linspace(problem.lower[0], problem.upper[0], elements + 1)), element, intorder=order)
         points = np.asarray(basis.global_coordinates())[0].reshape(-1, 1)
         taken = "displacement" in problem.initial or not problem.initial_field("stress", points).any()
-        require(taken, self.name, problem, "an initial stress only beside the displacement that causes it")
+        require(taken, self.name, problem, "an initial stress only together with the displacement that causes it")
 
         along = np.argsort(basis.doflocs[0])
         nodes, dofs = basis.doflocs[0, along].reshape(-1, 1), np.argsort(along)[basis.element_dofs].T
@@ -206,7 +208,7 @@ class FiniteElement:
         record = Record(np.zeros((len(HISTORIES), steps + 1)), row, reached, moving, stress)
 
         def loads(first: int, last: int) -> tuple[Array, float]:
-            """Nodal loads of steps (last - first, n) [Pa] and the velocity that they can give to a point [m/s]."""
+            """Nodal loads (last - first, n) [Pa] of a range of steps, and the largest velocity that they can cause [m/s]."""
             if problem.body_force is None:
                 return np.zeros((1, n)), 0.0
             assert not isinstance(problem.body_force, Spatial)
@@ -217,8 +219,8 @@ class FiniteElement:
         advance.compile(tuple(map(numba.typeof, (0, 1, dt, beta, math.inf, start, np.zeros((1, n)), *bar))))
         began = time.perf_counter()
         made, code = advance(0, 1, 0.0, beta, math.inf, start, loads(0, 1)[0], *bar)
-        # The most that the bar can move: what it starts with, rounding (which strains even a bar that only translates), and the
-        # wave of an end, added to at every reflection.
+        # Bound on the velocity: from the initial energy, from round-off (a pure translation too has strains by round-off), and
+        # from the waves that the ends send, which add up at every reflection.
         inertia, reflections = law.density * problem.lengths[0], 1 + law.wave_speed * problem.end_time / problem.lengths[0]
         amplitude += math.sqrt(2 * record.histories[2:4, 0].sum() / inertia) + 2 * sent * reflections
         block = max(1, BLOCK // len(points)) if problem.body_force else steps

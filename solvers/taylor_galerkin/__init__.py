@@ -1,4 +1,4 @@
-"""Two-step Taylor-Galerkin."""
+"""Two-step Taylor-Galerkin method in one dimension: the solver and its compiled time loop."""
 
 from .solver import TaylorGalerkin
 

@@ -1,19 +1,17 @@
-"""The compiled time loop of two-step Taylor-Galerkin for any linear first-order system."""
+"""Compiled time loop of two-step Taylor-Galerkin for a linear first-order system U_t + A U_x = S."""
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from mpmverify.problem import (
-    Array,
-)
+from mpmverify.problem import Array
 
 compiled = numba.njit(cache=True, fastmath={"contract"})
 
 
 @compiled
 def dot(A_k: Array, x: Array) -> float:
-    """Component k of A x from row k of A, both (m,)."""
+    """Dot product of row k of A (m,) with x (m,): component k of A x."""
     total = 0.0
     for column in range(x.size):
         total += A_k[column] * x[column]
@@ -22,7 +20,7 @@ def dot(A_k: Array, x: Array) -> float:
 
 @compiled
 def half_step(U_k: float, A_k: Array, slope: Array, S_k: float, dt: float) -> float:
-    """Component k of the predictor, U* = U - dt/2 (A U_x - S)."""
+    """Component k of the predictor U* = U - dt/2 (A U_x - S); row A_k (m,) and slope U_x (m,)."""
     return U_k - 0.5 * dt * (dot(A_k, slope) - S_k)
 
 
@@ -43,28 +41,29 @@ def march(
     fields: Array,
     history: tuple[Array, ...],
 ) -> tuple[int, float]:
-    r"""Advance a block of steps in place, until one of them exceeds its limit.
+    r"""Advance U in place by a block of steps; stop at a step whose amplitude exceeds its limit.
 
     Parameters
     ----------
-    U : (nodes, m) nodal unknowns; one node per element when periodic, one more otherwise.
-    form : A (m, m), load (m,), weight (m,) of U_t + A U_x = load b and of the amplitude sum_k weight_k |U_k|.
-    faces : prescribed l (2, m), enters, holds (2, m), datum (2, 2 N + 1), the datum given at every half step. The contour
-        flux takes U* + enters (datum - l . U*) at a face; later passes than the first add holds (datum - l . U) to U.
+    U : (nodes, m) nodal unknowns. A periodic mesh has as many nodes as elements, any other has one more.
+    form : A (m, m), load (m,) and weight (m,) of the system U_t + A U_x = load b and of the amplitude sum_k weight_k |U_k|.
+    faces : l (2, m), incoming (2, m), correction (2, m) and datum (2, 2 N + 1). Each face prescribes l . U = datum, with the
+        datum given at every half step. The contour flux uses the state U* + incoming (datum - l . U*). Every pass after the
+        first adds correction (datum - l . U) to U.
     source : (2 count, elements) b at the Gauss points, at t^n and t^{n+1/2} of every step.
     passes : mass-matrix passes.
     mass : (nodes,) lumped mass matrix M_L [m].
     h, dt : element size [m] and time step [s].
-    first, count : steps made before this block, and in it.
-    limit : (N + 1,) the largest amplitude that a node may have after a step.
-    row, fields : (N + 1,), (T, elements, m); where the Gauss-point values after a step are recorded, -1 for nowhere.
+    first, count : number of steps before this block, and number of steps in it.
+    limit : (N + 1,) largest amplitude allowed at any node after each step.
+    row, fields : (N + 1,), (T, elements, m); row[n] is the row of `fields` that stores the Gauss-point values of step n, or -1.
     history : total, square, gain (N + 1, m), work (N + 1,), ends (N + 1, 2, m); sum_i M_L,i U_i, sum_i M_L,i U_i^2,
-        what faces and source added to the total, the sum of dt h load b . U*, and the states at the faces.
+        the part of the total that faces and source added, the sum of dt h load b . U*, and the states at the two faces.
 
     Returns
     -------
     tuple of int and float
-        Steps made within their limits, and the amplitude that exceeded its limit or 0.
+        Number of steps that stayed within their limits, and the amplitude that exceeded its limit, or 0.
 
     Notes
     -----
@@ -75,7 +74,7 @@ def march(
         \Delta U_j &= \Delta U_{j-1} + M_L^{-1} (R - M\,\Delta U_{j-1}), \quad \Delta U_0 = 0
     """
     A, load, weight = form
-    prescribed, enters, holds, datum = faces
+    prescribed, incoming, correction, datum = faces
     total, square, gain, work, ends = history
     nodes, m = U.shape
     elements = source.shape[1]
@@ -108,7 +107,7 @@ def march(
                     star[k] = half_step(U[i, k], A[k], slope, load[k] * b[e], dt)
                 gap = datum[face, 2 * n + 1] - dot(prescribed[face], star)
                 for k in range(m):
-                    trace[k] = star[k] + enters[face, k] * gap
+                    trace[k] = star[k] + incoming[face, k] * gap
                 for k in range(m):
                     contour = normal * dot(A[k], trace)
                     R[i, k] -= dt * contour
@@ -126,9 +125,9 @@ def march(
                         star[k] = U[i, k] + dU[i, k]
                     gap = datum[face, 2 * n + 2] - dot(prescribed[face], star)
                     for k in range(m):
-                        dU[i, k] += holds[face, k] * gap
+                        dU[i, k] += correction[face, k] * gap
                         if sweep == passes - 1:
-                            gain[n + 1, k] += mass[i] * holds[face, k] * gap
+                            gain[n + 1, k] += mass[i] * correction[face, k] * gap
             if sweep < passes - 1:
                 MdU[:] = 0.0
                 for e in range(elements):

@@ -28,14 +28,17 @@ from mpmverify.solution import Outcome, Solution, Status, Work
 
 from .kernel import march
 
-GENEROUS = 10.0
-"""How far above the exact solution's bound the amplitude may go in a stable run; Gibbs overshoots stay below 2."""
+MARGIN = 10.0
+"""A run is unstable when its amplitude exceeds the bound of the exact solution times this; Gibbs overshoots stay below 2."""
 BLOCK = 2**18
-"""Most values of the body force held at once."""
+"""Largest number of body-force values that are stored at once."""
 
 
 def first_order_form(problem: Problem, solver: str) -> tuple[tuple[str, ...], tuple[Array, Array, Array]]:
-    """Unknowns U, and (A, load, weight) of U_t + A U_x = load b; weight . |U| is the largest characteristic variable."""
+    """Return the names of the unknowns U, and (A, load, weight) of the system U_t + A U_x = load b.
+
+    The amplitude weight . |U| is the largest modulus that a characteristic variable can have.
+    """
     require(problem.dimension == 1, solver, problem, "problems in one dimension")
     require(not isinstance(problem.body_force, Spatial), solver, problem, "a body force in material coordinates")
     require(problem.shape is None, solver, problem, "a body from end to end of its box")
@@ -45,21 +48,21 @@ def first_order_form(problem: Problem, solver: str) -> tuple[tuple[str, ...], tu
         require(problem.body_force is None, solver, problem, "transport without a body force")
         return ("u",), (np.array([[material.velocity]]), np.zeros(1), np.ones(1))
     require(type(material) is LinearElastic, solver, problem, "transport, or linear elasticity at small strain")
-    silent = "displacement" in problem.initial and "stress" not in problem.initial
-    require(not silent, solver, problem, "an initial displacement only with its initial stress beside it")
+    stressed = "displacement" not in problem.initial or "stress" in problem.initial
+    require(stressed, solver, problem, "an initial displacement only together with its initial stress")
     rho, c = material.density, material.wave_speed
     A = np.array([[0.0, -(material.lame_lambda + 2 * material.shear_modulus)], [-1 / rho, 0.0]])
     return ("stress", "velocity"), (A, np.array([0.0, 1.0]), np.array([1.0, rho * c]))
 
 
-def closure(problem: Problem, solver: str, half_times: Array) -> tuple[bool, tuple[Array, ...]]:
-    """Whether the faces bound the body, and their (prescribed, enters, holds, datum).
+def boundary_terms(problem: Problem, solver: str, half_times: Array) -> tuple[bool, tuple[Array, ...]]:
+    """Return whether the mesh has faces (is not periodic), and their (prescribed, incoming, correction, datum); see `march`.
 
-    The contour flux is characteristic: with Z = rho c and the normal n, sigma - n Z v leaves through the face and stays as it
-    is, and what enters, along (n Z, 1), is such that the traction or the velocity is the prescribed one, or nothing enters.
-    Nothing else tells a lumped mass of the face, and a free bar gains the impulse of its load to round-off. The later passes
-    of a consistent mass hold the prescribed unknown: without that, or with the characteristic form there too, they would
-    amplify reflected waves.
+    The contour flux is split into characteristics. With Z = rho c and the outward normal n, the outgoing variable sigma - n Z v
+    is kept. The incoming part, along (n Z, 1), is set so that the traction or the velocity takes its prescribed value; at an
+    absorbing face it is zero. With the lumped mass the flux alone imposes the condition, so that a free bar gains the impulse
+    of its load to round-off. With the consistent mass every pass after the first resets the prescribed unknown: without this
+    correction, or with a correction along the characteristic, these passes amplify reflected waves.
     """
     conditions = [problem.boundary["x-"], problem.boundary["x+"]]
     joined = [isinstance(condition, Periodic) for condition in conditions]
@@ -71,12 +74,12 @@ def closure(problem: Problem, solver: str, half_times: Array) -> tuple[bool, tup
             datum[face] = condition.value(half_times)
         if isinstance(problem.material, Transport):
             inwards = normal * problem.material.velocity < 0
-            fits = isinstance(condition, Periodic | (Inflow if inwards else Outflow))
-            require(fits, solver, problem, "Inflow where the velocity points inwards, Outflow where not, or Periodic")
+            supported = isinstance(condition, Periodic | (Inflow if inwards else Outflow))
+            require(supported, solver, problem, "Inflow where the velocity points inwards, Outflow where not, or Periodic")
             rows.append([[float(inwards)]] * 3)
             continue
-        fits = isinstance(condition, Traction | Velocity | Absorbing | Periodic)
-        require(fits, solver, problem, "Traction, Velocity, Absorbing or Periodic at the ends of a bar")
+        supported = isinstance(condition, Traction | Velocity | Absorbing | Periodic)
+        require(supported, solver, problem, "Traction, Velocity, Absorbing or Periodic at the ends of a bar")
         nZ = normal * problem.material.density * problem.material.wave_speed
         match condition:
             case Traction():
@@ -85,12 +88,12 @@ def closure(problem: Problem, solver: str, half_times: Array) -> tuple[bool, tup
                 rows.append([[0.0, 1.0], [nZ, 1.0], [0.0, 1.0]])
             case _:
                 rows.append([[1.0, nZ], [0.5, 0.5 / nZ], [0.5, 0.5 / nZ]])
-    prescribed, enters, holds = np.array(rows).swapaxes(0, 1).copy()
-    return not all(joined), (prescribed, enters, holds, datum)
+    prescribed, incoming, correction = np.array(rows).swapaxes(0, 1).copy()
+    return not all(joined), (prescribed, incoming, correction, datum)
 
 
-def per_area(problem: Problem, instants: Array, A: Array, history: tuple[Array, ...]) -> dict[str, Array]:
-    """Histories (N + 1,) in the bench's names, per unit cross-section."""
+def named_histories(problem: Problem, instants: Array, A: Array, history: tuple[Array, ...]) -> dict[str, Array]:
+    """Histories (N + 1,) under their names in `Solution`, per unit cross-section."""
     total, square, gain, work, ends = history
     if isinstance(problem.material, Transport):
         return {"time": instants, "mass": total[:, 0], "inflow": gain[:, 0]}
@@ -110,21 +113,27 @@ def per_area(problem: Problem, instants: Array, A: Array, history: tuple[Array, 
 
 @dataclass(frozen=True)
 class TaylorGalerkin:
-    r"""Two-step Taylor-Galerkin: predictor at the Gauss points for t^{n+1/2}, corrector at the nodes.
+    r"""Two-step Taylor-Galerkin: a predictor at the Gauss points at t^{n+1/2}, then a corrector at the nodes.
 
     Parameters
     ----------
     passes : int
-        Mass-matrix passes k: 1 is the lumped mass, stable to nu_C = 1; 3 is customary for the consistent mass, stable to
-        nu_C = 1/sqrt(3), as every number above 1 is.
+        Number k of mass-matrix passes. One pass uses the lumped mass and is stable up to the Courant number nu_C = 1. Two or
+        more passes approach the consistent mass and are stable up to nu_C = 1/sqrt(3); three are customary.
+
+    Raises
+    ------
+    UsageError
+        If `passes` is less than 1.
 
     Notes
     -----
-    On a uniform mesh every step multiplies a Fourier mode of phase theta per element by
+    On a uniform mesh each step multiplies a Fourier mode of phase theta per element by
 
     .. math:: G = 1 - [i \nu_C \sin\theta + \nu_C^2 (1 - \cos\theta)]\,[1 - (1 - m)^k] / m, \quad m = 1 - (1 - \cos\theta)/3
 
-    where k = 1 leaves G without m. At nu_C = 1 the lumped scheme translates exactly, through reflections too.
+    where the factor [1 - (1 - m)^k] / m is 1 for k = 1. At nu_C = 1 the lumped scheme translates waves exactly, including
+    their reflections at the ends.
 
     References
     ----------
@@ -155,23 +164,29 @@ class TaylorGalerkin:
         return frozenset({"momentum"})
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
-        """Solve; the sample points are the Gauss points, one in the middle of every element."""
+        """Solve a problem; the sample points are the Gauss points, one at the centre of each element.
+
+        Raises
+        ------
+        UsageError
+            If the scheme cannot solve the problem: it takes transport, or linear elasticity at small strain, in one dimension.
+        """
         quantities, form = first_order_form(problem, self.name)
         (elements,) = discretisation.cells(problem)
         steps, dt = discretisation.time_steps(problem)
         half_times = problem.end_time * np.arange(2 * steps + 1) / (2 * steps)
         instants = half_times[::2].copy()
-        bounded, faces = closure(problem, self.name, half_times)
+        bounded, faces = boundary_terms(problem, self.name, half_times)
         h = problem.lengths[0] / elements
         nodes = problem.lower[0] + h * np.arange(elements + bounded, dtype=float)[:, None]
-        middles = problem.lower[0] + h * (np.arange(elements, dtype=float)[:, None] + 0.5)
+        centres = problem.lower[0] + h * (np.arange(elements, dtype=float)[:, None] + 0.5)
         mass = np.full(len(nodes), h)
         U = np.concatenate([problem.initial_field(quantity, nodes) for quantity in quantities], axis=1)
-        prescribed, enters, holds, datum = faces
+        prescribed, incoming, correction, datum = faces
         if bounded and isinstance(problem.material, LinearElastic):
-            # A jump at t = 0 is the odd mirror's: its node takes the datum, and the front starts where it should.
+            # Where initial state and boundary datum differ, the end node takes the datum: the front then starts at the face.
             for face in (0, -1):
-                U[face] += holds[face] * (datum[face, 0] - prescribed[face] @ U[face])
+                U[face] += correction[face] * (datum[face, 0] - prescribed[face] @ U[face])
 
         m = len(quantities)
         outputs = output_steps(steps, problem.outputs)
@@ -185,21 +200,21 @@ class TaylorGalerkin:
         fields[0] = 0.5 * (U[:elements] + np.roll(U, -1, axis=0)[:elements])
         total[0], square[0] = mass @ U, mass @ U**2
 
-        # By d'Alembert a characteristic variable gains at most the datum at every face, and the source on its way.
+        # By d'Alembert's solution a characteristic variable grows by at most the datum at each reflection, and by the source.
         _, load, weight = form
-        kick = 2 * np.max(np.abs(enters) @ weight * np.max(np.abs(datum), axis=1))
-        bound = np.max(np.abs(U) @ weight) + kick * (1 + problem.material.wave_speed * instants / problem.lengths[0])
+        reflected = 2 * np.max(np.abs(incoming) @ weight * np.max(np.abs(datum), axis=1))
+        bound = np.max(np.abs(U) @ weight) + reflected * (1 + problem.material.wave_speed * instants / problem.lengths[0])
         block = max(1, min(steps, BLOCK // (2 * elements)))
         source = np.zeros((2 * block, elements))
-        made, failed, seconds, strongest = 0, False, 0.0, 0.0
+        made, failed, seconds, largest_source = 0, False, 0.0, 0.0
         while made < steps and not failed:
             end = min(made + block, steps)
             if problem.body_force is not None:
                 assert not isinstance(problem.body_force, Spatial)
                 times = half_times[2 * made : 2 * end]
-                source[: times.size] = np.reshape(problem.body_force(middles, times), (times.size, elements))
-                strongest = max(strongest, float(np.max(np.abs(source))))
-            limit = GENEROUS * (bound + weight @ load * strongest * instants)
+                source[: times.size] = np.reshape(problem.body_force(centres, times), (times.size, elements))
+                largest_source = max(largest_source, float(np.max(np.abs(source))))
+            limit = MARGIN * (bound + weight @ load * largest_source * instants)
             history = total, square, gain, work, ends
             arguments = (U, form, faces, source, self.passes, mass, h, dt, made, end - made, limit, row, fields, history)
             march.compile(numba.typeof(arguments).types)
@@ -213,12 +228,12 @@ class TaylorGalerkin:
             finite = np.isfinite(amplitude + limit[made + 1])
             outcome = Outcome(Status.UNSTABLE if finite else Status.NON_FINITE, f"at step {made + 1} of {steps}")
         kept = int(np.searchsorted(outputs, made, side="right"))
-        histories = per_area(problem, instants, form[0], (total, square, gain, work, ends))
+        histories = named_histories(problem, instants, form[0], (total, square, gain, work, ends))
         return Solution(
             time=instants[outputs[:kept]],
             dt=dt,
-            reference=middles,
-            position=np.repeat(middles[None], kept, axis=0),
+            reference=centres,
+            position=np.repeat(centres[None], kept, axis=0),
             weight=np.full((kept, elements), h),
             fields={quantity: fields[:kept, :, k : k + 1] for k, quantity in enumerate(quantities)},
             histories={name: values[: made + 1] for name, values in histories.items()},

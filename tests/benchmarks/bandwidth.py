@@ -1,7 +1,7 @@
-"""Share of the limit that the memory sets to linear USL in two dimensions: `python tests/benchmarks/bandwidth.py`.
+"""Speed of linear USL in 2D relative to the limit of the memory bandwidth: `python tests/benchmarks/bandwidth.py`.
 
-The limit counts what a step moves of the particles alone, each number once per pass; that of the grid, the loops over which are
-short beside them, stays in the cache as long as a few rows of it do.
+The limit counts the particle data that a step moves, each number once per pass. It leaves out the grid: loops over the nodes are
+short compared with those over the particles, and the nodes stay in the cache as long as a few rows of the grid fit into it.
 """
 
 import math
@@ -19,36 +19,37 @@ from schemes import SCHEMES
 from mpmverify.problem import Array
 
 DOUBLE = 8
+"""Bytes of a float64."""
 LEAN = 208
-"""Bytes a particle-step with (x, v), (sigma, sigma_zz) and (m, V) alone: 80 to the grid, 128 to the particles."""
+"""Bytes per particle-step of a layout with (x, v), (sigma, sigma_zz) and (m, V) only: 80 to the grid, 128 to the particles."""
 
 
 def bytes_of_step(dimension: int) -> tuple[int, int]:
-    """Bytes that linear USL with FLIP moves for a particle and step, in each pass: read to the grid, read and written from it.
+    """Bytes per particle-step of linear USL with FLIP: read in the pass to the grid; read and written in the pass from the grid.
 
-    The state x, v, J, sigma, m and V lies in one row, so that all of it comes and goes with its cache lines; either pass reads whose turn it
-    is. To bring particles of a cell together again, every few steps, is not counted.
+    The state x, v, J, sigma, m and V of a particle is one row, which is moved as a whole because memory is moved by cache lines. Each
+    pass also reads the order of the particles. Sorting the particles by cell every few steps is not counted.
     """
-    state, turn = 2 * dimension + 1 + dimension * (dimension + 1) // 2 + 2, 1
-    return DOUBLE * (state + turn), DOUBLE * (2 * state + turn)
+    state, order = 2 * dimension + 1 + dimension * (dimension + 1) // 2 + 2, 1
+    return DOUBLE * (state + order), DOUBLE * (2 * state + order)
 
 
 @numba.njit(parallel=True)
 def triad(a: Array, b: Array, c: Array, factor: float) -> None:
-    """Write b + factor c into a: 24 bytes an entry."""
+    """Set a = b + factor c: 24 bytes per entry."""
     for i in numba.prange(a.size):
         a[i] = b[i] + factor * c[i]
 
 
 @numba.njit(parallel=True)
 def update(a: Array, factor: float) -> None:
-    """Multiply a by a factor: 16 bytes an entry."""
+    """Multiply a by a factor in place: 16 bytes per entry."""
     for i in numba.prange(a.size):
         a[i] *= factor
 
 
 def bandwidth(entries: int = 20_000_000, rounds: int = 7) -> tuple[float, float]:
-    """Best of triad and of the update in place [byte/s], on as many threads as numba is set to."""
+    """Best measured bandwidth of the triad and of the update in place [byte/s], on numba's current number of threads."""
     a, b, c = np.ones((3, entries))
     calls: tuple[tuple[int, Callable[[], None]], ...] = ((24, lambda: triad(a, b, c, 2.0)), (16, lambda: update(a, 1.0)))
     found = []
@@ -63,16 +64,14 @@ def bandwidth(entries: int = 20_000_000, rounds: int = 7) -> tuple[float, float]
 
 
 @click.command(help=__doc__.split("\n")[0])
-@click.option("--particles", type=float, default=1e6, show_default=True, help="Number of particles, about.")
-@click.option("--steps", type=int, default=40, show_default=True, help="Steps of a round.")
-@click.option(
-    "--rounds", type=int, default=5, show_default=True, help="Rounds, of which the best counts, as for the bandwidth."
-)
+@click.option("--particles", type=float, default=1e6, show_default=True, help="Approximate number of particles.")
+@click.option("--steps", type=int, default=40, show_default=True, help="Steps per round.")
+@click.option("--rounds", type=int, default=5, show_default=True, help="Number of rounds; the best one counts.")
 def main(particles: float, steps: int, rounds: int) -> None:
     problem, at = periodic_body(2, particles, steps)
     solver = SCHEMES["linear USL FLIP"]
     moved = sum(bytes_of_step(2))
-    table = Table(title=f"{solver.name}: share of the limit of memory at {moved} (lean: {LEAN}) bytes a particle-step")
+    table = Table(title=f"{solver.name}: share of the memory limit at {moved} (lean: {LEAN}) bytes per particle-step")
     for heading in ("threads", "triad GB/s", "update GB/s", "limit Mp/s", "measured Mp/s", "share", "lean limit Mp/s", "share"):
         table.add_column(heading, justify="right")
     for threads in sorted({1, numba.config.NUMBA_NUM_THREADS}):

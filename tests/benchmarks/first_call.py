@@ -1,7 +1,7 @@
-"""Seconds that the first solution by a variant waits for its compilation: `python tests/benchmarks/first_call.py`.
+"""Compilation time in the first run of a variant: `python tests/benchmarks/first_call.py`.
 
-Each variant is solved by two new processes, one after the other, with a disk cache that is empty at first: what the first waits for beyond
-the run, and what the second does, which finds the loop compiled.
+Two new processes solve each variant one after the other. The disk cache is empty at first: the first process compiles the time loop, the
+second process finds it on the disk.
 """
 
 import os
@@ -39,31 +39,36 @@ VARIANTS: list[tuple[Any, ...]] = [
 ]
 
 
-def wait(number: int) -> float:
-    """Seconds of a solution beyond its steps, less those of a second one [s]."""
+def compilation_time(number: int) -> float:
+    """Time of a first solution outside its time steps, less the same of a second solution [s]."""
     dimension, solver, particles, *material = VARIANTS[number]
     problem, at = periodic_body(dimension, particles, 1)
     problem = replace(problem, material=material[0] if material else MATERIAL)
-    beyond = []
+    outside = []
     for _ in range(2):
         started = time.perf_counter()
         solution = solver.solve(problem, at)
         assert solution.outcome.completed, str(solution.outcome)
-        beyond.append(time.perf_counter() - started - solution.work.seconds)
-    return beyond[0] - beyond[1]
+        outside.append(time.perf_counter() - started - solution.work.seconds)
+    return outside[0] - outside[1]
 
 
 def in_a_process(number: int, cache: str) -> float:
+    """`compilation_time` of a variant in a new process with a disk cache [s]."""
     command = [sys.executable, __file__, "--variant", str(number)]
     said = subprocess.run(command, env=os.environ | {"NUMBA_CACHE_DIR": cache}, check=True, capture_output=True, text=True)
     return float(said.stdout)
 
 
 @click.command(help=__doc__.split("\n")[0])
-@click.option("--variant", type=click.IntRange(0, len(VARIANTS) - 1), help="Print the seconds of one variant in this process.")
+@click.option(
+    "--variant",
+    type=click.IntRange(0, len(VARIANTS) - 1),
+    help="Print the seconds of one variant in this process, without the table.",
+)
 def main(variant: int | None) -> None:
     if variant is not None:
-        click.echo(wait(variant))
+        click.echo(compilation_time(variant))
         return
     table = Table("", "dimension", "particles", "first process [s]", "second process [s]")
     for number, (dimension, solver, particles, *material) in enumerate(VARIANTS):

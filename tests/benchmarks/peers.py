@@ -1,12 +1,13 @@
-"""Speed beside taichi and warp on the same problem: `python tests/benchmarks/peers.py`.
+"""Speed compared with taichi and warp on the same problem: `python tests/benchmarks/peers.py`.
 
-Two or three dimensions, double precision, two particles along each axis of a cell, a periodic box of linear elastic material, stress
-updated last in the updated Lagrangian formulation: hat functions with FLIP, and quadratic B-splines with APIC, which is what the examples mpm88 and
-mpm99 of taichi do but for the gradient of the splines in the place of that of moving least squares. Every code takes the same
-particles, sorted by cell, at the same time step; positions, velocities and stresses are compared before anything is timed. The
-peers do less: they keep det F in the place of F, one mass and one volume for all, and neither energies nor checks.
+The problem is a periodic box of linear elastic material in two or three dimensions, in double precision, with two particles per cell
+along each axis. Two schemes are compared, both USL and updated Lagrangian: hat functions with FLIP, and quadratic B-splines with APIC. The
+second is the scheme of taichi's examples mpm88 and mpm99, but with the gradient of the splines instead of moving least squares. All
+codes take the same particles, sorted by cell, and the same time step. Their positions, velocities and stresses are compared before
+they are timed. The peers do less work: they store det F instead of F and one mass and volume for all particles, and they compute neither
+energies nor checks.
 
-What is timed is each code's own loop over the steps, without compilation, and the codes take turns.
+Each code's loop over the steps is timed without compilation. The codes take turns.
 """
 
 import os
@@ -28,11 +29,11 @@ from mpmverify.solvers.mpm import MaterialPoint
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 TOLERANCE = 1e-10
-"""Of the largest difference, by the largest value: the schemes are the same, round-off is what is left after some dozen steps."""
+"""Largest accepted deviation: the schemes are the same, so that after some dozen steps results differ by round-off only."""
 
 
 def deviation(state: State, order: Array, solution: Solution) -> dict[str, float]:
-    """Largest difference of displacement, velocity and stress at the end, by the largest value of each [1]."""
+    """Largest difference of displacement, velocity and stress at the end, relative to the largest value of each [1]."""
     found = {}
     displacement = state.position - solution.reference[order]
     for name, values in (("displacement", displacement), ("velocity", state.velocity), ("stress", state.stress)):
@@ -42,7 +43,7 @@ def deviation(state: State, order: Array, solution: Solution) -> dict[str, float
 
 
 def seconds_of_peer(peer: Peer, body: Body, steps: int) -> float:
-    """Wall time of steps from the present state [s]."""
+    """Wall time of a number of steps from the current state [s]."""
     peer.wait()
     started = time.perf_counter()
     for _ in range(steps):
@@ -52,7 +53,7 @@ def seconds_of_peer(peer: Peer, body: Body, steps: int) -> float:
 
 
 def peers_of(body: Body, quadratic: bool, threads: int) -> dict[str, Peer]:
-    """Peers that run on so many threads; that of warp in two dimensions."""
+    """Peers by name: taichi on a number of threads, and in two dimensions warp, which runs on one thread."""
     from taichi_peer import TaichiPeer
     from warp_peer import WarpPeer
 
@@ -63,7 +64,7 @@ def peers_of(body: Body, quadratic: bool, threads: int) -> dict[str, Peer]:
 def compare(
     solver: MaterialPoint, problem: Problem, at: Discretisation, steps: int, rounds: int, threads: int
 ) -> dict[str, float]:
-    """Million particle-steps per second of each code, medians of rounds in which they take turns."""
+    """Million particle-steps per second of each code, as the median over rounds in which the codes take turns."""
     numba.set_num_threads(threads)
     solution = solver.solve(problem, at)
     body, order = sorted_body(problem, at, solution.reference)
@@ -75,7 +76,7 @@ def compare(
             f"{solver.name}, {threads} threads, {name}: differs by " + ", ".join(f"{k} {v:.1e}" for k, v in found.items())
         )
         if not max(found.values()) < TOLERANCE:
-            raise SystemExit(f"{name} solves something else: its results differ by more than {TOLERANCE:g}")
+            raise SystemExit(f"{name} does not solve the same problem: its results differ by more than {TOLERANCE:g}")
     del solution
     timed: dict[str, Callable[[], float]] = {"mpmverify": lambda: solver.solve(problem, at).work.seconds}
     timed |= {name: lambda peer=peer: seconds_of_peer(peer, body, steps) for name, peer in peers.items()}
@@ -87,17 +88,17 @@ def compare(
 
 
 @click.command(help=__doc__.split("\n")[0])
-@click.option("--particles", type=float, default=1e6, show_default=True, help="Number of particles, about.")
-@click.option("--steps", type=int, default=40, show_default=True, help="Steps of a round.")
-@click.option("--rounds", type=int, default=5, show_default=True, help="Rounds, of which the median counts.")
+@click.option("--particles", type=float, default=1e6, show_default=True, help="Approximate number of particles.")
+@click.option("--steps", type=int, default=40, show_default=True, help="Steps per round.")
+@click.option("--rounds", type=int, default=5, show_default=True, help="Number of rounds; the median counts.")
 @click.option("--threads", type=int, multiple=True, help="Numbers of threads  [default: 1 and all].")
 @click.option("--scheme", type=click.Choice(sorted(SCHEMES)), multiple=True, help="Schemes  [default: all].")
-@click.option("--dimension", type=click.IntRange(2, 3), default=2, show_default=True, help="Of the body.")
+@click.option("--dimension", type=click.IntRange(2, 3), default=2, show_default=True, help="Dimension of the body.")
 def main(particles: float, steps: int, rounds: int, threads: tuple[int, ...], scheme: tuple[str, ...], dimension: int) -> None:
     problem, at = periodic_body(dimension, particles, steps)
     count = (at.ppc * at.cells(problem)[0]) ** dimension
     table = Table(title=f"Million particle-steps per second, {dimension}D, {count:,} particles, float64")
-    for heading in ("scheme", "threads", "mpmverify", "taichi", "warp", "by taichi", "by warp", "by the best"):
+    for heading in ("scheme", "threads", "mpmverify", "taichi", "warp", "/ taichi", "/ warp", "/ faster peer"):
         table.add_column(heading, justify="left" if heading == "scheme" else "right")
     for name in scheme or SCHEMES:
         for some in threads or sorted({1, numba.config.NUMBA_NUM_THREADS}):

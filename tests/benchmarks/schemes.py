@@ -1,4 +1,4 @@
-"""What the peers solve, and the order in which the particles lie."""
+"""Schemes that all codes solve, the interface of a peer, and its particles sorted by cell."""
 
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -11,9 +11,15 @@ from mpmverify.solvers.mpm import APIC, FLIP, MaterialPoint
 
 @dataclass(frozen=True)
 class Body:
-    """Regular layout in a periodic unit box of n cells along each axis, sorted by cell; mass and volume V0 [m^d] of a particle.
+    """Particles on a regular layout in a periodic unit box, sorted by cell, with the material and the time step.
 
-    Positions and velocities (P, d) [m, m/s], Lame's constants [Pa] and the time step [s].
+    Parameters
+    ----------
+    cells : number of cells along each axis.
+    position, velocity : (P, d) [m], [m/s].
+    mass, volume : mass and initial volume [m^d] of each particle.
+    lame, shear : Lame's constants [Pa].
+    dt : time step [s].
     """
 
     cells: int
@@ -28,7 +34,15 @@ class Body:
 
 @dataclass(frozen=True)
 class State:
-    """What a peer carries from step to step: x [m], v [m/s], C [1/s] (P, d, d), sigma = (xx, yy, xy) or (xx, yy, zz, xy, yz, zx) [Pa], J."""
+    """State of a peer's particles.
+
+    Parameters
+    ----------
+    position, velocity : (P, d) [m], [m/s].
+    affine : (P, d, d) APIC's matrix C [1/s].
+    stress : (P, d (d + 1) / 2) Cauchy stress (xx, yy, xy) or (xx, yy, zz, xy, yz, zx) [Pa].
+    J : (P,) volume ratio det F.
+    """
 
     position: Array
     velocity: Array
@@ -38,31 +52,31 @@ class State:
 
 
 class Peer(Protocol):
-    """A code that advances particles."""
+    """Another code that advances particles."""
 
     def load(self, state: State) -> None:
-        """Take a state."""
+        """Set the state."""
 
     def state(self) -> State:
-        """Give the state."""
+        """Return the state."""
 
     def step(self, kick: float, dt: float) -> None:
-        """Kick the velocity by `kick` and move by `dt` [s], without waiting for the end of it."""
+        """Start one step: change velocities by `kick` [s] times the acceleration, and positions by `dt` [s]; do not wait."""
 
     def wait(self) -> None:
-        """Wait until all steps are done."""
+        """Wait for all steps to finish."""
 
 
-RARELY = 1_000_000
-"""Steps between records: the peers keep no histories, so that ours has the first step and the last."""
+RECORD_EVERY = 1_000_000
+"""Steps between records of the histories: so many that the first and last step alone are recorded, as the peers record none."""
 SCHEMES = {
-    "linear USL FLIP": MaterialPoint("USL", FLIP, "linear", record_every=RARELY),
-    "quadratic USL APIC": MaterialPoint("USL", APIC, "quadratic", record_every=RARELY),
+    "linear USL FLIP": MaterialPoint("USL", FLIP, "linear", record_every=RECORD_EVERY),
+    "quadratic USL APIC": MaterialPoint("USL", APIC, "quadratic", record_every=RECORD_EVERY),
 }
 
 
 def sorted_body(problem: Problem, at: Discretisation, reference: Array) -> tuple[Body, Array]:
-    """Particles at their reference positions (P, d) [m] in the order of their cells, and that order (P,)."""
+    """Return the particles at `reference` (P, d) [m] sorted by cell, and the permutation (P,) that sorts them."""
     assert not any(problem.lower)
     cells, dimension = at.cells(problem)[0], problem.dimension
     order = np.argsort((reference // at.h).astype(int) @ cells ** np.arange(dimension), kind="stable")
@@ -81,7 +95,7 @@ def at_rest(body: Body) -> State:
 
 
 def advance(peer: Peer, body: Body, steps: int) -> None:
-    """Take steps of the leapfrog from v^0; the first one kicks by half a step."""
+    """Advance by leapfrog steps from v^0; the first kick is half a step."""
     peer.load(at_rest(body))
     for n in range(steps):
         peer.step(body.dt if n else 0.5 * body.dt, body.dt)
@@ -89,7 +103,7 @@ def advance(peer: Peer, body: Body, steps: int) -> None:
 
 
 def synchronous(peer: Peer, body: Body) -> State:
-    """State with v^n = v^{n-1/2} + dt/2 sum_I N_I a_I, the last term from two steps that differ in their kick alone."""
+    """State with v^n = v^{n-1/2} + dt/2 sum_I N_I a_I; the last term is the difference of two steps with and without a kick."""
     state, moved = peer.state(), []
     for kick in (0.5 * body.dt, 0.0):
         peer.load(state)

@@ -1,10 +1,10 @@
-"""The two schemes in taichi, in the manner of its examples mpm88 and mpm99."""
+"""Both schemes in taichi, written like its examples mpm88 and mpm99."""
 
 import taichi as ti
 from schemes import Body, State
 
 PLACE = {2: ((0, 2), (2, 1)), 3: ((0, 3, 5), (3, 1, 4), (5, 4, 2))}
-"""Place of a component of the stress among those that are kept, by dimension."""
+"""Index of the stress component ij in the stored tuple, by dimension."""
 
 
 @ti.data_oriented
@@ -52,7 +52,7 @@ class TaichiPeer:
 
     @ti.func
     def hats(self, x):
-        """First node, functions and derivatives along the axes."""
+        """First of two nodes, and the hat functions and their derivatives along each axis."""
         s = x / self.h
         first = ti.floor(s, ti.i32)
         xi = s - first
@@ -61,7 +61,7 @@ class TaichiPeer:
 
     @ti.func
     def splines(self, x):
-        """First of three nodes in the middle of cells, functions and derivatives along the axes, and the distance from it in cells."""
+        """First of three nodes (at cell centres), splines and derivatives along each axis, and the distance from that node in cells."""
         s = x / self.h
         first = ti.floor(s, ti.i32) - 1
         r = s - 0.5 - first
@@ -71,7 +71,7 @@ class TaichiPeer:
 
     @ti.func
     def node(self, first, offset: ti.template()):
-        """Numbers of a node, that along x last, brought back into the box."""
+        """Periodic indices of a node; that along x comes last."""
         k = ti.Vector.zero(ti.i32, self.d)
         for i in ti.static(range(self.d)):
             number = first[i] + offset[i]
@@ -80,7 +80,7 @@ class TaichiPeer:
 
     @ti.func
     def product(self, w: ti.template(), offset: ti.template()):
-        """Product of functions along the axes."""
+        """Product of the functions along all axes."""
         N = 1.0
         for i in ti.static(range(self.d)):
             N *= w[offset[i]][i]
@@ -88,7 +88,7 @@ class TaichiPeer:
 
     @ti.func
     def gradient(self, w: ti.template(), d: ti.template(), offset: ti.template()):
-        """The same with a derivative in the place of each of them."""
+        """Gradient of the product."""
         g = ti.Vector.one(ti.f64, self.d)
         for i, j in ti.static(ti.ndrange(self.d, self.d)):
             g[i] *= d[offset[j]][j] if ti.static(i == j) else w[offset[j]][j]
@@ -96,7 +96,7 @@ class TaichiPeer:
 
     @ti.func
     def force(self, p):
-        """-V sigma, the volume that of t^n."""
+        """Return -V sigma with the volume V at t^n."""
         T = ti.Matrix.zero(ti.f64, self.d, self.d)
         for i, j in ti.static(ti.ndrange(self.d, self.d)):
             T[i, j] = self.stress[p][self.place[i][j]]
@@ -104,7 +104,7 @@ class TaichiPeer:
 
     @ti.func
     def strain(self, p, L):
-        """J and stress after an increment L = dt dv/dx."""
+        """Update J and the stress by an increment L = dt dv/dx."""
         one = ti.Matrix.identity(ti.f64, self.d)
         self.J[p] *= (one + L).determinant()
         T = self.lame * L.trace() * one + self.shear * (L + L.transpose())

@@ -1,6 +1,6 @@
-"""Seconds of the loop over the steps, without compilation and set-up: `pytest tests/benchmarks`.
+"""Time of the loop over the steps, without compilation and setup: `pytest tests/benchmarks`.
 
-Million particle-steps per second are in the extra information of `--benchmark-json`, and in the last lines of `-rP`.
+The rates in million particle-steps per second are in the `extra_info` of `--benchmark-json`, and in the output of `-rP`.
 """
 
 import numba
@@ -24,7 +24,7 @@ VARIANTS = [
 
 
 class StepClock:
-    """Seconds that solvers have spent in their loops over the steps, in the place of a wall clock."""
+    """Timer that counts the seconds which solvers spend in their loops over the steps."""
 
     __name__ = "StepClock"
     seconds = 0.0

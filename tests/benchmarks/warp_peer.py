@@ -1,4 +1,4 @@
-"""The two schemes in warp, on one thread: its kernels run on one on a CPU."""
+"""Both schemes in warp, on one thread, as warp runs its kernels on a CPU."""
 
 import warp as wp
 from schemes import Body, State
@@ -21,7 +21,7 @@ class Constants:
 
 @wp.func
 def wrapped(i: wp.int32, n: wp.int32):
-    """Row or column of a node, brought back into the square."""
+    """Periodic index of a node along an axis."""
     if i < 0:
         return i + n
     if i >= n:
@@ -31,34 +31,34 @@ def wrapped(i: wp.int32, n: wp.int32):
 
 @wp.func
 def internal_force(c: Constants, stress: wp.vec3d, J: wp.float64):
-    """-V sigma, the volume that of t^n."""
+    """Return -V sigma with the volume V at t^n."""
     return -c.volume * J * wp.mat22d(stress[0], stress[2], stress[2], stress[1])
 
 
 @wp.func
 def volume_change(L: wp.mat22d):
-    """det(I + L)."""
+    """Return det(I + L)."""
     one = wp.float64(1.0)
     return (one + L[0, 0]) * (one + L[1, 1]) - L[0, 1] * L[1, 0]
 
 
 @wp.func
 def hooke(c: Constants, L: wp.mat22d):
-    """Stress of the symmetric part of an increment."""
+    """Stress increment of the symmetric part of L."""
     volumetric, double = c.lame * (L[0, 0] + L[1, 1]), wp.float64(2.0) * c.shear
     return wp.vec3d(volumetric + double * L[0, 0], volumetric + double * L[1, 1], c.shear * (L[0, 1] + L[1, 0]))
 
 
 @wp.func
 def hats(s: wp.float64, first: wp.int32):
-    """Functions of the two nodes from the first one."""
+    """Hat functions of the two nodes from `first` on."""
     xi = s - wp.float64(first)
     return wp.vec2d(wp.float64(1.0) - xi, xi)
 
 
 @wp.func
 def splines(r: wp.float64):
-    """Functions of three nodes in the middle of cells, at a distance r from the first one in cells."""
+    """Splines of three nodes at cell centres, for a particle at r cells from the first one."""
     half, one = wp.float64(0.5), wp.float64(1.0)
     u, v, w = wp.float64(1.5) - r, r - one, r - half
     return wp.vec3d(half * u * u, wp.float64(0.75) - v * v, half * w * w)
@@ -66,14 +66,14 @@ def splines(r: wp.float64):
 
 @wp.func
 def slopes(r: wp.float64, scale: wp.float64):
-    """Their derivatives."""
+    """Derivatives of the splines."""
     one = wp.float64(1.0)
     return wp.vec3d((r - wp.float64(1.5)) * scale, wp.float64(-2.0) * (r - one) * scale, (r - wp.float64(0.5)) * scale)
 
 
 @wp.func
 def distances(r: wp.float64):
-    """Of the three nodes, in cells."""
+    """Signed distances of the three nodes from the particle, in cells."""
     return wp.vec3d(-r, wp.float64(1.0) - r, wp.float64(2.0) - r)
 
 
