@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Atomic writing: a file is replaced as a whole or not at all."""
 
 import secrets
 from collections.abc import Callable
@@ -9,16 +9,16 @@ from mpmverify.errors import ResultsError
 
 
 def write_atomic(path: Path, write: Callable[[Path], Any], remedy: str = "free the disk or choose --out") -> None:
-    """Call `write` on a temporary file beside `path`, then move it into place: readers see all of it or nothing.
+    """Write a temporary file beside `path` and rename it to `path`: readers see the old file or the complete new one.
 
     Parameters
     ----------
     path : Path
-        Its folder is made where there is none.
+        File to write; its folder is created if it does not exist.
     write : callable
         Called with the path of the temporary file.
     remedy : str
-        What the user may do when the file cannot be written.
+        Advice at the end of the error message.
 
     Raises
     ------
@@ -27,7 +27,7 @@ def write_atomic(path: Path, write: Callable[[Path], Any], remedy: str = "free t
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        # Not by mkstemp, whose files are private: a result is as readable as its folder lets it be.
+        # mkstemp would make a file that only its owner can read.
         temporary = path.with_name(f".{path.stem}-{secrets.token_hex(8)}{path.suffix}")
         try:
             write(temporary)

@@ -1,13 +1,13 @@
-"""Errors that a user can mend: one sentence each, naming the thing and the remedy."""
+"""Errors that a user can correct; each message is one sentence that names the object and the remedy."""
 
 
 class MpmverifyError(Exception):
-    """Base of every error that the command line shows as one sentence."""
+    """Base class of the errors that the command line shows as one sentence, without a traceback."""
 
 
 class UsageError(MpmverifyError, ValueError):
-    """A name, an option or a declaration that cannot mean anything: an unknown study, a Courant number of zero."""
+    """An invalid name, option or declaration: an unknown study, a Courant number of zero."""
 
 
 class ResultsError(MpmverifyError, OSError):
-    """A results folder or file that cannot be read, is not ours, or cannot be written."""
+    """A results folder or file that cannot be read or written, or that mpmverify did not write."""

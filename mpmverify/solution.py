@@ -1,4 +1,4 @@
-"""What a solver returns: sample points, fields, histories, work and outcome; and the protocol that a solver keeps."""
+"""The protocol of a solver, and the solution that it returns: sample points, fields, histories, work and outcome."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -34,13 +34,13 @@ ADVICE: Mapping[Status, str] = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended, as a value with advice.
+    """How a run ended; as text, the status, its detail and advice.
 
     Parameters
     ----------
     status : Status
     detail : str
-        What happened in this run: the step, the exception.
+        What happened in this run, for example the step or the exception.
     """
 
     status: Status = Status.COMPLETED
@@ -57,7 +57,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Work:
-    """Cost of a run: steps, point-steps (particles or elements times steps) and seconds without compilation."""
+    """Cost of a run: steps, point-steps (particles or elements times steps) and wall time without compilation [s]."""
 
     steps: int = 0
     point_steps: int = 0
@@ -66,55 +66,55 @@ class Work:
 
 @dataclass(frozen=True)
 class Solution:
-    """Result of one run; T output times, P sample points, N steps.
+    """Result of one run, with T output times, P sample points and N steps.
 
-    Arrays are plain numpy arrays of real numbers. A completed run that breaks what is said here counts as crashed, and one with
-    a value that is not finite as non-finite; a run that ended early returns what it reached.
+    All arrays are plain `numpy.ndarray` of real numbers. A completed run that violates this specification counts as crashed; one with
+    a value that is not finite counts as non-finite. A run that ended early returns the outputs that it reached.
 
     Parameters
     ----------
     time : Array
-        Output times (T,) [s], which rise strictly from 0 to the final time of the problem.
+        Output times (T,) [s], strictly increasing from 0 to the final time of the problem.
     dt : float
-        Time step [s], the largest one where it varies; at most nu_C h/c.
+        Time step [s], the largest one if it varies; at most nu_C h/c.
     reference : Array
         Reference positions of the sample points (P, dim) [m].
     position : Array
         Current positions (T, P, dim) [m].
     weight : Array
-        Quadrature weights (T, P) [m^dim], not negative. The first row sums to the measure of the body; later rows may be the same
-        or the current volumes V0 J.
+        Quadrature weights (T, P) [m^dim], not negative. The first row sums to the measure of the body; later rows may repeat it or
+        hold the current volumes V0 J.
     fields : mapping of str to Array
-        (T, P, components) by quantity, all synchronous with `time`. Known are
+        Fields (T, P, components) by quantity, all at the times of `time`:
 
         - "u", the transported scalar [1];
-        - "displacement", current minus reference position [m], and "velocity" [m/s], of `dim` components;
+        - "displacement" [m], current minus reference position, and "velocity" [m/s], each with `dim` components;
         - "stress" [Pa], the Cauchy stress at the material point, positive in tension: xx, yy, xy in two dimensions, without the
           out-of-plane component of plane strain, and xx, yy, zz, xy, yz, zx in three;
         - "displacement_gradient" [1], du_i/dX_j = F - I, row by row.
     histories : mapping of str to Array
-        (N + 1,) by name, from the start to the end of every step; "time" [s], from 0 to the final time, is among them. What else may
-        be there is listed below; a criterion that needs an absent one cannot pass.
+        Histories (N + 1,) by name, at the start and after every step. "time" [s], from 0 to the final time, is required; the
+        others are listed in the notes. A criterion that needs a missing history cannot pass.
     work : Work
     outcome : Outcome
 
     Notes
     -----
-    The histories of a body, discrete sums of the scheme itself, are per unit cross-section in one dimension, with the units below,
-    per unit thickness in two and of the whole body in three. Where there are several, a vector has one history for each component,
-    "momentum_x", "momentum_y" and so on:
+    The histories of a body are the discrete sums of the scheme itself. They are per unit cross-section in one dimension (with the
+    units below), per unit thickness in two, and for the whole body in three. In two and three dimensions a vector has one history
+    for each component: "momentum_x", "momentum_y" and so on.
 
-    - "mass" [kg/m^2] and "momentum" [kg/(m s)], of all nodes or particles;
-    - "impulse" [kg/(m s)], the integral in time from 0, by the quadrature of the scheme, of all external forces: tractions, the
-      reactions of held or moved ends, and the body force;
+    - "mass" [kg/m^2] and "momentum" [kg/(m s)]: sums over all nodes or particles;
+    - "impulse" [kg/(m s)]: time integral from 0, by the quadrature of the scheme, of all external forces: tractions, reactions at
+      faces with prescribed velocity, and the body force;
     - "kinetic_energy" and "strain_energy" [J/m^2];
-    - "external_work" [J/m^2], the work of the same forces from 0 by the same quadrature, that of the reactions at moved ends too;
-    - "dissipated_energy" [J/m^2], what the material turned into heat from 0 on; zero where it is absent;
-    - "angular_momentum" about the origin, in two dimensions [kg m/s] a scalar, in three [kg m^2/s] a vector.
+    - "external_work" [J/m^2]: work of the same forces from 0, by the same quadrature, including the reactions at moved faces;
+    - "dissipated_energy" [J/m^2]: energy dissipated by the material since 0; taken as zero if it is missing;
+    - "angular_momentum" about the origin: a scalar [kg m/s] in two dimensions, a vector [kg m^2/s] in three.
 
-    Those of a transported scalar are "mass" [m], the integral of u over the box, and "inflow" [m], the integral in time from 0 of
-    what enters minus what leaves through open ends. A solver that declares to conserve "mass" returns "mass", and "inflow" too
-    where ends are open; one that conserves "momentum" returns "momentum" and "impulse".
+    The histories of a transported scalar are "mass" [m], the integral of u over the box, and "inflow" [m], the time integral from 0
+    of the flux in minus the flux out through open ends. A solver that declares that it conserves "mass" returns "mass", and "inflow"
+    if ends are open; one that declares "momentum" returns "momentum" and "impulse".
     """
 
     time: Array
@@ -128,12 +128,12 @@ class Solution:
     outcome: Outcome = Outcome()
 
     def arrays(self) -> dict[str, Array]:
-        """All arrays by name, fields and histories among them."""
+        """Return all arrays by name, including fields and histories."""
         sampled = {"time": self.time, "reference": self.reference, "position": self.position, "weight": self.weight}
         return sampled | dict(self.fields) | {f"history of {name}": values for name, values in self.histories.items()}
 
     def inconsistency(self) -> str:
-        """Say what contradicts the types and shapes above; "" when nothing does."""
+        """Return a sentence on the first type or shape that violates the specification above; "" if there is none."""
         parts = {"fields": Mapping, "histories": Mapping, "work": Work, "outcome": Outcome}
         for part, kind in parts.items():
             if not isinstance(getattr(self, part), kind):
@@ -144,7 +144,7 @@ class Solution:
         if "time" not in self.histories:
             return "the histories lack their time"
         for name, values in self.arrays().items():
-            if type(values) is not np.ndarray:  # a mask or a matrix product would go unnoticed
+            if type(values) is not np.ndarray:  # subclasses such as masked arrays and matrices have other arithmetic
                 return f"{name} is of type {type(values).__name__} instead of numpy.ndarray"
             if values.dtype.kind not in "fiu":
                 return f"{name} has the type {values.dtype}, and must hold real numbers"
@@ -166,17 +166,17 @@ class Solution:
 
 
 class Solver(Protocol):
-    """A scheme as a frozen value: its fields are the scheme's choices.
+    """A numerical scheme as a frozen value whose fields are the options of the scheme.
 
     Notes
     -----
-    One that compiles may have a method `kernel(problem)`: any hashable value, equal where the compiled code is the same. Worker
-    processes then do not compile the same at the same time.
+    A solver that compiles code may have a method `kernel(problem)`. It returns a hashable value that is equal for two problems exactly
+    when the compiled code is the same, so that no two worker processes compile the same code at the same time.
     """
 
     @property
     def name(self) -> str:
-        """Unique name made of the scheme's choices, usable as a netCDF group and a file name."""
+        """Unique name that states the options of the scheme, usable as a netCDF group and a file name."""
 
     @property
     def orders(self) -> Mapping[str, float]:
@@ -184,7 +184,15 @@ class Solver(Protocol):
 
     @property
     def conserves(self) -> frozenset[str]:
-        """Invariants kept to round-off: of "mass", "momentum"."""
+        """Invariants that the scheme conserves to round-off: any of "mass" and "momentum"."""
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
-        """Solve; numerical failure is an `Outcome`, misuse raises `UsageError`."""
+        """Solve the problem on one level.
+
+        A numerical failure is reported as the `Outcome` of the solution.
+
+        Raises
+        ------
+        UsageError
+            If the solver does not accept the problem or the discretisation.
+        """

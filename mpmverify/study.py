@@ -1,4 +1,4 @@
-"""Studies: a verification problem, solvers, refinements and criteria, declared as values."""
+"""Declarations of a study: verification problems, solvers, refinements and criteria, as values."""
 
 import dataclasses
 from collections.abc import Iterator, Sequence
@@ -25,16 +25,16 @@ class Refinement:
     Parameters
     ----------
     label : str
-        Names the ladder within its case, such as "nu_C=0.5".
+        Name of the ladder within its case, such as "nu_C=0.5".
     levels : tuple of Discretisation
-        Coarsest first.
+        Levels, coarsest first.
     quick : int
-        How many of them, from the coarsest, the quick tier runs.
+        Number of levels, from the coarsest, in the quick tier.
 
     Raises
     ------
     UsageError
-        If the quick tier runs no level, or more than there are.
+        If `quick` is less than 1 or exceeds the number of levels.
     """
 
     label: str
@@ -43,10 +43,12 @@ class Refinement:
 
     def __post_init__(self) -> None:
         if not 1 <= self.quick <= len(self.levels):
-            raise UsageError(f"ladder {self.label!r} has {len(self.levels)} levels: the quick tier cannot run {self.quick}")
+            raise UsageError(
+                f"ladder {self.label!r} has {len(self.levels)} levels: let the quick tier run 1 to {len(self.levels)}, not {self.quick}"
+            )
 
     def tier(self, tier: str) -> tuple[Discretisation, ...]:
-        """Levels that a tier runs.
+        """Return the levels of a tier.
 
         Parameters
         ----------
@@ -64,51 +66,51 @@ class Refinement:
 
     @property
     def axis(self) -> Axis:
-        """What the levels refine; a time step is as long as the Courant number allows."""
+        """The sizes that the levels refine; the time steps are taken as the largest that the Courant numbers allow."""
         columns = np.array([(level.h, level.courant * level.h, level.ppc) for level in self.levels])
         return axis(*columns.T)
 
     def with_courant(self, courant: float) -> "Refinement":
-        """Return the same ladder at another Courant number [1] throughout; levels that become equal are one."""
+        """Return the same ladder with one Courant number [1] on all levels; levels that become equal are merged."""
         levels = tuple(dict.fromkeys(dataclasses.replace(level, courant=courant) for level in self.levels))
         return Refinement(ladder_label(courant, levels[0].ppc), levels, min(self.quick, len(levels)))
 
     def with_jitter(self, jitter: float, seed: int) -> "Refinement":
-        """Return the same ladder with the particles moved from their places, as a `Discretisation` says."""
+        """Return the same ladder with randomly displaced particles, see `Discretisation`."""
         levels = tuple(dataclasses.replace(level, jitter=jitter, seed=seed) for level in self.levels)
         return Refinement(f"{self.label}, jitter {jitter:g}, seed {seed}", levels, self.quick)
 
 
 def ladder_label(courant: float, ppc: int) -> str:
-    """Name of a ladder in h: its Courant number [1], and its particles per cell where there are several."""
+    """Return the name of a ladder in h: its Courant number [1], and the particles per cell if there are several."""
     return f"nu_C={courant:g}" + (f", {ppc} ppc" if ppc > 1 else "")
 
 
 def halving(
     length: float, cells: int, *, quick: int, full: int, courant: float, ppc: int = 1, courant_power: float = 0.0
 ) -> Refinement:
-    """Ladder of `full` levels that starts with `cells` cells on `length` and halves h.
+    """Return a ladder of `full` levels that halves h, with `cells` cells on `length` on the coarsest level.
 
     Parameters
     ----------
     length : float
         Side of the box [m].
     cells : int
-        Cells on it, on the coarsest level.
+        Number of cells on that side, on the coarsest level.
     quick, full : int
-        Levels that the quick and the full tier run.
+        Number of levels in the quick and in the full tier.
     courant : float
         Courant number of the coarsest level [1].
     ppc : int
         Particles per cell.
     courant_power : float
-        The Courant number falls as h to this power: 0.5 makes dt proportional to h^(3/2), so that a scheme of second order
-        in time shows an order of three in h.
+        Power of h with which the Courant number falls. 0.5 makes dt proportional to h^(3/2), so that a scheme of second order in
+        time shows an order of three in h.
 
     Raises
     ------
     UsageError
-        If a level cannot be discretised, or the quick tier runs no level or more than there are.
+        If a value is not valid for a `Discretisation`, or `quick` is less than 1 or exceeds `full`.
     """
     levels = tuple(
         Discretisation(h=length / (cells * 2**k), courant=courant * 0.5 ** (k * courant_power), ppc=ppc) for k in range(full)
@@ -118,42 +120,42 @@ def halving(
 
 
 def in_time(length: float, cells: int, *, quick: int, full: int, courant: float, ppc: int = 1) -> Refinement:
-    """Ladder of `full` levels on `cells` cells of `length` that starts at a Courant number and halves dt.
+    """Return a ladder of `full` levels that halves dt at a fixed cell size.
 
     Parameters
     ----------
     length, cells, quick, full, courant, ppc
-        As of `halving`; h is the same on every level.
+        See `halving`; h is the same on every level.
     """
     levels = tuple(Discretisation(length / cells, courant * 0.5**k, ppc) for k in range(full))
     return Refinement(f"dt from {ladder_label(courant, ppc)}, {cells} cells", levels, quick)
 
 
 def in_particles(length: float, cells: int, *, courant: float, ppc: Sequence[int]) -> Refinement:
-    """Ladder in particles per cell on `cells` cells of `length`, all of it in both tiers.
+    """Return a ladder in particles per cell at a fixed cell size and time step; both tiers run all levels.
 
     Parameters
     ----------
     length, cells, courant
-        As of `halving`; h and dt are the same on every level.
+        See `halving`; h and dt are the same on every level.
     ppc : sequence of int
-        Particles per cell, by level.
+        Particles per cell of each level.
     """
     levels = tuple(Discretisation(length / cells, courant, count) for count in ppc)
     return Refinement(f"ppc, {ladder_label(courant, 1)}, {cells} cells", levels, len(levels))
 
 
 def design(length: float, *, cells: Sequence[int], courant: Sequence[float], ppc: Sequence[int] = (1,)) -> Refinement:
-    """Every combination of cell size, time step and particles per cell, all of them in both tiers.
+    """Return a design with every combination of cell size, time step and particles per cell; both tiers run all of it.
 
     Parameters
     ----------
     length : float
         Side of the box [m].
     cells : sequence of int
-        Cells on `length`.
+        Numbers of cells on that side.
     courant : sequence of float
-        Courant numbers on the first number of cells, each of which stands for a time step that all cell sizes share.
+        Courant numbers at the first number of cells; each defines a time step that is used with all cell sizes.
     ppc : sequence of int
         Particles per cell.
     """
@@ -167,14 +169,7 @@ def design(length: float, *, cells: Sequence[int], courant: Sequence[float], ppc
 
 @dataclass(frozen=True)
 class Series:
-    """One solver on one ladder, and what must hold of it.
-
-    Parameters
-    ----------
-    solver : Solver
-    refinement : Refinement
-    criteria : tuple of Criterion
-    """
+    """One solver on one ladder, with the criteria that its results must meet."""
 
     solver: Solver
     refinement: Refinement
@@ -188,11 +183,13 @@ class Case:
     Parameters
     ----------
     name : str
-        Names the case within its study.
+        Name of the case within its study.
     problem : VerificationProblem
+        The problem.
     series : tuple of Series
+        Series on the problem.
     shown : str
-        The quantity that the pages plot first.
+        Quantity that the report plots first.
     """
 
     name: str
@@ -203,22 +200,24 @@ class Case:
 
 @dataclass(frozen=True)
 class Study:
-    """Cases that belong on one page.
+    """A set of cases that are run together and shown on one page.
 
     Parameters
     ----------
     name : str
-        On the command line and in file names.
+        Name on the command line and in file names.
     title, summary : str
-        For people.
+        Heading and introduction of the page.
     cases : tuple of Case
+        The cases.
     restricted_to : str
-        Of what was declared the part that these cases are, in words; "" for the whole.
+        The solvers and the Courant number to which the declared study was restricted; "" if it is complete.
 
     Raises
     ------
     UsageError
-        If two series share their case, solver and refinement, two solvers share a name, or a name cannot be that of a file.
+        If two series have the same case, solver and refinement, two different solvers have the same name, or a name cannot be used
+        for a file.
     """
 
     name: str
@@ -233,36 +232,39 @@ class Study:
         for case, series in self.series():
             identity = (case.name, series.solver.name, series.refinement.label)
             if identity in seen:
-                raise UsageError(f"study {self.name!r} declares {' / '.join(identity)} twice")
+                raise UsageError(f"study {self.name!r} declares {' / '.join(identity)} twice: remove one or rename its ladder")
             seen.add(identity)
             if named.setdefault(series.solver.name, series.solver) != series.solver:
-                raise UsageError(f"study {self.name!r} has two solvers of the name {series.solver.name!r}: rename one")
+                raise UsageError(f"study {self.name!r} has two solvers with the name {series.solver.name!r}: rename one")
         for name in (self.name, *named):
             if not name or "/" in name or name.startswith("."):
-                raise UsageError(f"{name!r} cannot name a file or a group: give it letters and no '/'")
+                raise UsageError(f"{name!r} cannot name a file: use a name without '/' that does not start with '.'")
 
     def series(self) -> Iterator[tuple[Case, Series]]:
-        """Every series beside its case, as declared."""
+        """Yield each case and series, in the order of declaration."""
         for case in self.cases:
             for series in case.series:
                 yield case, series
 
     def criteria(self) -> dict[SeriesId, tuple[Criterion, ...]]:
-        """Declared criteria of every series."""
+        """Return the criteria of every series."""
         return {
             SeriesId(case.name, series.solver.name, series.refinement.label): series.criteria for case, series in self.series()
         }
 
     def solvers(self) -> dict[str, Solver]:
-        """Solvers by name, as declared."""
+        """Return the solvers by name, in the order of declaration."""
         return {series.solver.name: series.solver for _, series in self.series()}
 
     def solver_names(self) -> tuple[str, ...]:
-        """Names of the solvers, each once, as declared."""
+        """Return the names of the solvers, in the order of declaration."""
         return tuple(self.solvers())
 
     def restricted(self, solvers: tuple[str, ...] = (), courant: float | None = None) -> "Study":
-        """Return the study with the named solvers alone, and at one Courant number throughout; it says what it was restricted to."""
+        """Return the study with only the named solvers, or all if none is named, and with one Courant number [1] if it is given.
+
+        `restricted_to` of the returned study states the restriction.
+        """
         cases = []
         for case in self.cases:
             chosen: dict[tuple[str, str], Series] = {}

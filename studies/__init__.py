@@ -1,7 +1,7 @@
-"""Declared studies, imported by name on demand.
+"""The shipped studies, imported by name on demand.
 
-Here belong declarations: which problems, solvers, ladders and criteria make a study, and the accepted baseline. Nothing is computed
-here; closed forms and criteria have rooms of their own in `mpmverify`.
+Declarations belong here: the problems, solvers, ladders and criteria of each study, and the accepted baseline. Closed forms and
+criteria are defined in `mpmverify.exact` and `mpmverify.criteria`.
 """
 
 from importlib import import_module
@@ -29,12 +29,12 @@ BASELINE = Path(__file__).with_name("baseline.json")
 
 
 def get(name: str) -> Study:
-    """Return the study of that name.
+    """Return the study with this name.
 
     Raises
     ------
     UsageError
-        If there is none.
+        If no study has the name.
     """
     if name not in NAMES:
         raise UsageError(f"unknown study {name!r}: choose from {', '.join(NAMES)}")

@@ -1,4 +1,4 @@
-"""Transport of a hill, a Gaussian, a step and a whole spectrum by two-step Taylor-Galerkin."""
+"""Advection of a hill, a Gaussian, a step and a broad spectrum by two-step Taylor-Galerkin."""
 
 from mpmverify.criteria import Amplification, AmplitudeDecay, Balance, FrontPosition, Order, PhaseError
 from mpmverify.criteria.criterion import Criterion
@@ -9,7 +9,7 @@ from mpmverify.study import Case, Series, Study, halving
 
 LUMPED, CONSISTENT = TaylorGalerkin(passes=1), TaylorGalerkin(passes=3)
 COURANT = {LUMPED: (0.3, 0.6, 0.9), CONSISTENT: (0.3, 0.4, 0.55)}
-"""Below the limits 1 and 1/sqrt(3)."""
+"""Courant numbers, below the stability limits 1 (lumped) and 1/sqrt(3) (consistent)."""
 
 DONEA = "second order in h and dt on smooth data: Donea (1984), doi:10.1002/nme.1620200108"
 BRENNER = (
@@ -41,7 +41,7 @@ FRONT = (
 
 
 def _waves(profile: CosineHill | Gaussian | Step, solver: TaylorGalerkin) -> tuple[Criterion, ...]:
-    """Phase error and decay of a Gaussian that has travelled one length, or the lag of a front."""
+    """Return the criteria on phase error and decay of a Gaussian that travelled one length, or on the position of a front."""
     if isinstance(profile, Gaussian):
         return (
             PhaseError("u", 2, 0.2, LEADING, solver.name, 3 / profile.width**2),

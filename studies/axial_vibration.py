@@ -1,4 +1,4 @@
-"""Axial vibration of a fixed bar in its first mode, by every solver."""
+"""Axial vibration of a fixed bar in its first mode, with all solvers."""
 
 from mpmverify.criteria import EnergyConserved, EnergyDecays, EnergyDrift, Order, Stall
 from mpmverify.criteria.criterion import Criterion
@@ -18,13 +18,13 @@ TG_SOURCE = (
 )
 
 CONTRACTION = (
-    "|G| <= 1 for every mode, Donea (1984), doi:10.1002/nme.1620200108, and the ends of a fixed bar are mirrors that keep it so: the "
-    "norm of a step in the energy is 1"
+    "|G| <= 1 for every mode, Donea (1984), doi:10.1002/nme.1620200108, also with the reflecting ends of a fixed bar: no step increases "
+    "the energy"
 )
 
 
 def _converges(solver: Solver) -> tuple[Criterion, ...]:
-    """Orders and energy of a solver on smooth data that it can converge to."""
+    """Return the criteria on orders and energy of a solver that can converge to the exact solution."""
     if isinstance(solver, TaylorGalerkin):
         return (
             Order("stress", "L2-max", 1.85, 2.15, TG_SOURCE),

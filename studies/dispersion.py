@@ -1,4 +1,4 @@
-"""One mode of a bar, resolved by fewer and fewer cells: the frequency of every scheme against its own dispersion relation."""
+"""One mode of a bar on grids of different resolution: the frequency of every scheme against its own dispersion relation."""
 
 import math
 from typing import Literal
@@ -14,11 +14,11 @@ from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 from mpmverify.study import Case, Refinement, Series, Study, ladder_label
 
 CELLS = (5, 6, 8, 12, 16, 24, 48)
-"""On two wave lengths: k h from 0.8 pi down to pi/12."""
+"""Cells on two wavelengths: k h from 0.8 pi down to pi/12."""
 LENGTH, WAVES = 2.0, 2
 WAVENUMBER = WAVES * 2 * math.pi / LENGTH
 BOUND = 1e-10
-"""A frequency is lost to round-off like e/(omega dt)^3, summed over some hundred steps: 5e-11 for the longest wave."""
+"""Bound of the frequency error. Round-off, e/(omega dt)^3 summed over some hundred steps, gives 5e-11 for the longest wave."""
 
 FEM_SOURCE = (
     "4 sin^2(omega dt/2) = q/(1 + beta q), q = 4 nu_C^2 sin^2(k h/2)/m: Hughes (1987), The Finite Element Method, section 9.1; "
@@ -30,9 +30,9 @@ MPM_SOURCE = (
     "2 - nu_C^2 D and determinant 1 - nu_C^2 D (1 - A) for USL; on the schedules Bardenhagen (2002), doi:10.1006/jcph.2002.7103"
 )
 
-UNSTABLE = "A limit of stability that is elsewhere than theory has it, and an instability that a solver does not report."
-BEYOND = 1.1
-"""Courant number of a run that must be unstable, in limits."""
+UNSTABLE = "A stability limit that differs from theory, and an instability that the solver does not report."
+EXCESS = 1.1
+"""Courant number of a run that must be unstable, as a multiple of the stability limit."""
 LIMIT_SOURCE = (
     "von Neumann analysis: 4 sin^2(omega dt/2) = 4 where the fastest mode of FEM, and of USF and MUSL with FLIP, comes to its limit; "
     "nu_C^2 = min 4/[D (2 - A)] for USL; |G| = 1 for Taylor-Galerkin; sources as of the dispersion relations"
@@ -49,15 +49,15 @@ def _series(solver: Solver, source: str, courant: float, ppc: int = 1) -> Series
 
 
 def _unstable(solver: Solver, limit: float, cells: int = 9) -> Series:
-    """Beyond the limit, on so many cells that the mode itself grows."""
-    level = Discretisation(h=LENGTH / cells, courant=BEYOND * limit)
-    return Series(solver, Refinement(f"{BEYOND:g} limits", (level,), quick=1), (Unstable(limit, LIMIT_SOURCE),))
+    """Return a series above the stability limit, on a number of cells for which the mode of the problem is unstable."""
+    level = Discretisation(h=LENGTH / cells, courant=EXCESS * limit)
+    return Series(solver, Refinement(f"{EXCESS:g} limits", (level,), quick=1), (Unstable(limit, LIMIT_SOURCE),))
 
 
 def _bar(mode: int, ends: Literal["fixed-fixed", "periodic"]) -> VerificationProblem:
-    """Some four periods, of which every step is an output; at their end no field is near zero, and no constant of the bar is 1."""
+    """Return about four periods with an output at every step; no field is near zero at the end, and no parameter of the bar is 1."""
     bar = {"length": LENGTH, "youngs_modulus": 9.0, "density": 4.0, "v0": 1e-3}
-    exposes = "The frequency and the damping that a scheme gives a mode, by how many cells resolve it."
+    exposes = "Numerical frequency and damping of a mode as functions of its resolution."
     return axial_vibration(mode, ends, **bar, periods=4.1, outputs=4096, exposes=exposes)
 
 
@@ -68,9 +68,9 @@ def _particles(schedule: str) -> MaterialPoint:
 STUDY = Study(
     name="dispersion",
     title="Dispersion of a mode",
-    summary="A mode of a bar, resolved by more or fewer cells, oscillates for some four periods. Every step multiplies it by one complex "
-    "number, known for every scheme: its angle is the frequency omega(kh), its modulus the damping. Above the Courant number at which "
-    "the modulus exceeds 1 a run must end as unstable.",
+    summary="A mode of a bar oscillates for about four periods, on grids of different resolution. Every step multiplies it by one "
+    "complex number, known for every scheme: its argument is omega(kh) dt, its modulus the damping. Above the Courant number at which "
+    "the modulus exceeds 1, a run must end as unstable.",
     cases=(
         Case(
             "ring",
@@ -90,7 +90,7 @@ STUDY = Study(
                 _series(FiniteElement(1, "lumped", "newmark"), FEM_SOURCE, 1.0),
                 _series(FiniteElement(1, "consistent", "newmark"), FEM_SOURCE, 1.0),
                 *(_series(_particles(schedule), MPM_SOURCE, 0.6, ppc) for schedule in ("USF", "MUSL") for ppc in (1, 2)),
-                # At one particle per cell the shortest of these waves are overdamped.
+                # With one particle per cell the shortest of these waves are overdamped.
                 *(_series(_particles("USL"), MPM_SOURCE, 0.3, ppc) for ppc in (2, 3)),
             ),
             shown="stress",

@@ -1,4 +1,4 @@
-"""The driven bar: one end moved, the other loaded, a body force everywhere and no parameter that hides a term."""
+"""The driven bar: a moved end, a loaded end, a body force, and no parameter value for which a term vanishes."""
 
 from mpmverify.criteria import EnergyDrift, Order
 from mpmverify.criteria.criterion import Criterion
@@ -22,7 +22,7 @@ ACCELERATED: tuple[Solver, ...] = (
     v.FEM_P1[0],
     v.FEM_P1[2],
 )
-"""Their first step is another one than those that follow."""
+"""Solvers whose first time step differs from the following ones, so that an initial acceleration tests it."""
 
 
 def _criteria(solver: Solver) -> tuple[Criterion, ...]:

@@ -1,4 +1,4 @@
-"""A bar pulled at one end: step, ramp and smooth pulse against d'Alembert."""
+"""A bar loaded at one end by a step, a ramp and a smooth pulse, against d'Alembert's solution."""
 
 from mpmverify.criteria import FrontPosition, Order, PhaseError
 from mpmverify.criteria.criterion import Criterion
@@ -11,8 +11,8 @@ from mpmverify.study import Case, Refinement, Series, Study, halving
 from . import variants as v
 
 QUADRATIC = MaterialPoint("MUSL", basis="quadratic")
-"""The step sets off a mode of the clamped end functions that a conserving schedule keeps for ever and USL damps away. Its samples cross the
-middle of a front at the loaded end too."""
+"""Not judged by the front's position: the step excites a mode of the end functions of the clamped spline, which an energy-conserving
+schedule does not damp and USL does. Its samples therefore cross the middle level of the front at the loaded end too."""
 MPM = (
     MaterialPoint("USF"),
     MaterialPoint("USL"),
@@ -46,8 +46,8 @@ FIRST_ORDER = (
 )
 LAG_SOURCE = (
     "leading phase error of the scheme's dispersion relation, lag (k h)^2; with the mean k^4/k^2 = 3/(w c)^2 of the pulse's power "
-    "spectrum it is late by 3 lag h^2/(w c)^2 of the time since its centre entered the bar; the ends add nothing that could be measured "
-    "of that order"
+    "spectrum it is late by 3 lag h^2/(w c)^2 of the time since its centre entered the bar; no effect of the ends of that order "
+    "could be measured"
 )
 FRONT_SOURCE = (
     "a jump whose modes are multiplied by the factors of the scheme's dispersion relation, from the moment at which the load is "
@@ -84,13 +84,14 @@ def _ramp(solver: Solver) -> tuple[Criterion, ...]:
 
 
 TRAVELLED = 2.5
-"""Lengths of the bar, of which the pulse has travelled so many at the final time since its centre entered."""
+"""Distance that the pulse has travelled at the final time since its centre entered the bar, in lengths of the bar."""
 
 
 def _lag(solver: Solver) -> tuple[Criterion, ...]:
-    """Phase error of the pulse; not where velocity is damped by PIC, or an updated Lagrangian code follows another solution.
+    """Return the criterion on the phase error of the pulse, if it applies to the solver.
 
-    That one is a strain amplitude away, and a fine level finds it.
+    It applies neither to solvers with a share of PIC, which damp the velocity, nor to updated Lagrangian ones: on fine levels these
+    converge to a solution that differs by the strain amplitude.
     """
     if isinstance(solver, MaterialPoint) and (solver.formulation == "updated" or solver.transfer.flip < 1):
         return ()

@@ -1,4 +1,4 @@
-"""Errors of the cell size, of the time step and of the spacing of particles, told apart over small designs."""
+"""Separation of the errors of cell size, time step and particle spacing by small designs."""
 
 from mpmverify.criteria import Separated
 from mpmverify.exact.vibration import axial_vibration
@@ -44,9 +44,9 @@ PARTICLES = design(LENGTH, cells=(24, 36, 72), courant=(0.5, 0.35, 0.25, 0.12), 
 STUDY = Study(
     name="error-sources",
     title="Sources of error",
-    summary="The first mode of a fixed bar at small strain, where what the cell size, the time step and the spacing of particles do "
-    "to the phase is known in closed form. Each is varied independently of the others, which a ladder at a fixed Courant number "
-    "does not do: it measures the least of the orders only.",
+    summary="The first mode of a fixed bar at small strain. The effects of cell size, time step and particle spacing on the phase are "
+    "known in closed form. Each is varied independently of the others. A ladder at a fixed Courant number does not do that: it measures "
+    "only the lowest of the orders.",
     cases=(
         Case(
             "h-and-dt",

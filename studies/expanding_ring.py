@@ -1,4 +1,4 @@
-"""A ring that expands and contracts: free surfaces that cut the cells, and gaps that open between particles."""
+"""A ring that expands and contracts: free surfaces that cut cells, and gaps that open between particles."""
 
 from mpmverify.criteria import Order, Stall
 from mpmverify.criteria.criterion import Criterion
@@ -11,7 +11,7 @@ from . import variants as v
 
 COURANT, PPC = 0.3, 2
 CELLS, FINE = (16, 32, 48, 64, 96, 128), (32, 48, 64, 96, 128)
-"""Cells on a side of the box, where the ring has the thickness of 1.6 cells and more."""
+"""Cells on a side of the box; the ring is 1.6 cells thick on the coarsest level."""
 
 
 def _series(solver: MaterialPoint, expected: Criterion, cells: tuple[int, ...], quick: int) -> Series:
@@ -30,9 +30,10 @@ def _stall(source: str) -> Stall:
 STUDY = Study(
     name="expanding-ring",
     title="Expanding ring with free surfaces",
-    summary="A body force makes a ring swing along its radius by several cells. Its surfaces are free and cut the cells anywhere; each "
-    "particle has the exact area of its part of the ring. The total Lagrangian formulation converges at second order; the updated "
-    "one does not on linear functions, and on quadratic B-splines until the error of their quadrature shows.",
+    summary="A body force makes a ring oscillate radially by several cells. Its free surfaces cut the cells at arbitrary positions; each "
+    "particle has the exact area of its part of the ring. The total Lagrangian formulation converges at second order. The updated "
+    "Lagrangian formulation does not converge with linear functions; with quadratic B-splines it converges until their quadrature "
+    "error dominates.",
     cases=(
         Case(
             "ring",

@@ -1,4 +1,4 @@
-"""The generalised vortex: shear and rotation of any size without a change of volume."""
+"""The generalised vortex: shear and rotation of arbitrary size at constant volume."""
 
 from mpmverify.criteria import Order, Stall
 from mpmverify.criteria.criterion import Criterion
@@ -10,8 +10,9 @@ from mpmverify.study import Case, Refinement, Series, Study, ladder_label
 from . import variants as v
 
 PPC = 2
-STEEP = 0.2
-"""Courant number of the undeformed body where shear of 6 makes its fastest wave six times as fast in material coordinates."""
+LARGE_SHEAR_COURANT = 0.2
+"""Courant number by the wave speed of the undeformed body; at a shear of 6 the fastest wave is six times as fast in material
+coordinates."""
 
 
 def _series(solver: MaterialPoint, expected: Criterion, cells: tuple[int, ...], quick: int, courant: float = 0.3) -> Series:
@@ -30,10 +31,10 @@ def _stall(source: str) -> Stall:
 STUDY = Study(
     name="generalised-vortex",
     title="Generalised vortex",
-    summary="A body force turns every hoop of a ring by an angle of its own, without change of volume: shear of six at an angle of 1 rad. "
-    "There the total Lagrangian formulation converges at second order on quadratic B-splines. The updated one, whose particles part by "
-    "more than a cell, is judged at a twentieth of the angle: it converges at second order on quadratic B-splines, and not on linear "
-    "functions.",
+    summary="A body force rotates each circle of a ring by an angle that depends on its radius, at constant volume; at an angle of 1 rad "
+    "the shear is 6. There the total Lagrangian formulation converges at second order with quadratic B-splines. In the updated "
+    "Lagrangian formulation neighbouring particles would separate by more than a cell, so it is judged at 0.05 rad: it converges at "
+    "second order with quadratic B-splines, and does not converge with linear functions.",
     cases=(
         Case(
             "1 rad",
@@ -44,7 +45,7 @@ STUDY = Study(
                     _order(v.AFFINE_SOURCE),
                     (64, 80, 96, 128),
                     3,
-                    courant=STEEP,
+                    courant=LARGE_SHEAR_COURANT,
                 ),
             ),
             shown="displacement",

@@ -1,4 +1,4 @@
-"""Manufactured motions of large amplitude: Steffen's bar, and a square and a cube that move along their axes."""
+"""Manufactured motions of large amplitude: Steffen's bar, and axis-aligned displacement of a square and a cube."""
 
 from mpmverify.criteria import Order, Stall
 from mpmverify.criteria.criterion import Criterion
@@ -19,7 +19,7 @@ DOMAIN_SOURCE = (
     "doi:10.1002/nme.3110 (CPDI)"
 )
 GAPS_SOURCE = (
-    "domains that stay as they were part and overlap as the bar stretches, an error that does not fall at a fixed number of particles "
+    "undeformed particle domains separate and overlap as the bar deforms, an error that does not fall at a fixed number of particles "
     "per cell; Wallstedt and Guilkey (2008), doi:10.1016/j.jcp.2008.07.019"
 )
 CUBIC_SOURCE = (
@@ -53,7 +53,7 @@ def _series(solver: MaterialPoint, first: int, levels: int) -> Series:
 
 
 def _on(basis: str, expected: Criterion, first: int = 16, ppc: int = 2, transfer: Transfer = FLIP) -> Series:
-    """The updated Lagrangian formulation on a basis, on levels fine enough for particles to cross cells."""
+    """Return a series of the updated Lagrangian formulation with a basis, on levels so fine that particles cross cells."""
     ladder = halving(1.0, first, quick=4, full=5, courant=0.3, ppc=ppc)
     return Series(MaterialPoint("USL", transfer, basis), ladder, (expected, v.MOMENTUM, v.MASS))
 
@@ -73,10 +73,10 @@ BASES = (
 STUDY = Study(
     name="large-deformation",
     title="Large deformation in one, two and three dimensions",
-    summary="Body forces make standing waves of finite amplitude exact, in Steffen's bar, and in a square and a cube whose points move "
-    "along every axis in a phase of its own. Particles cross cells: the total Lagrangian formulation converges at second order, and "
-    "the updated Lagrangian one stalls on hats, and later on quadratic B-splines and undeformed domains, but not where the domains of "
-    "particles deform.",
+    summary="Standing waves of finite amplitude, exact under a body force, in Steffen's bar and along each axis of a square and a cube. "
+    "Particles cross cells. The total Lagrangian formulation converges at second order. The updated Lagrangian formulation stalls with "
+    "linear functions, and on finer levels with quadratic B-splines and with undeformed particle domains (uGIMP). With deforming "
+    "particle domains (cpGIMP, CPDI) it converges.",
     cases=(
         Case("bar", steffen(), tuple(_series(s, 8, 4) for s in (LINEAR, QUADRATIC, UPDATED)), shown="displacement"),
         Case("bases", steffen(), BASES, shown="displacement"),

@@ -25,14 +25,14 @@ NODAL = MaterialPoint("MUSL", formulation="total", body_force_at="nodes")
 
 
 def _ladder(solver: Solver) -> Refinement:
-    """1/h = 8 to 128, as published."""
+    """Return the ladder 1/h = 8 to 128 of the published results."""
     if isinstance(solver, MaterialPoint):
         return halving(1.0, 8, quick=5, full=5, courant=0.2, ppc=2)
     return halving(1.0, 8, quick=5, full=6, courant=0.2, courant_power=0.5 if solver in v.FEM_P2 else 0.0)
 
 
 CROSSING_QUADRATIC = halving(1.0, 8, quick=4, full=4, courant=0.2, ppc=8)
-"""Beyond 1/h = 64 the quadrature error of eight particles per cell begins to show."""
+"""Ends at 1/h = 64, beyond which the quadrature error of eight particles per cell becomes visible."""
 
 
 def _converges(solver: Solver) -> tuple[Criterion, ...]:
@@ -83,7 +83,7 @@ STUDY = Study(
         ),
         Case(
             "published",
-            # The maximum over time of four published digits needs an output at least every 1/320 of the period.
+            # The published maxima over time have four digits, which takes at least 320 outputs in the period.
             manufactured(0.05, outputs=320),
             (Series(NODAL, _ladder(NODAL), (PUBLISHED, *_converges(NODAL), v.MOMENTUM, v.MASS)),),
             shown="displacement",
@@ -110,7 +110,7 @@ STUDY = Study(
         ),
         Case(
             "poisson",
-            # At nu = 0 the first Lame constant vanishes, and no error in its terms could be seen.
+            # At nu = 0 the first Lame constant is zero, which hides errors in its terms.
             manufactured(0.05, poissons_ratio=0.3, outputs=64),
             tuple(Series(s, _ladder(s), (*_converges(s), v.MOMENTUM, v.MASS)) for s in LATERAL),
             shown="stress",

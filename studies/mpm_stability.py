@@ -1,4 +1,4 @@
-"""Limits of stability of the material point method, by bisection on the running solver, against von Neumann's analysis."""
+"""Stability limits of the material point method, measured by bisection and compared with von Neumann analysis."""
 
 from mpmverify.adapters.bisection import Bisection
 from mpmverify.criteria import StabilityLimit
@@ -7,8 +7,8 @@ from mpmverify.solvers.mpm import FLIP, PIC, MaterialPoint, Transfer, fmpm, xpic
 from mpmverify.study import Case, Series, Study, in_particles
 
 CELLS, LENGTH = 40, 2.0
-ABOVE = 4.0
-"""Courant number that no scheme is stable at."""
+UNSTABLE_COURANT = 4.0
+"""Courant number at which every scheme is unstable."""
 SCHEMES: tuple[tuple[str, Transfer], ...] = (
     ("USF", FLIP),
     ("USL", FLIP),
@@ -27,7 +27,7 @@ BOUND = 0.01
 
 def _case(basis: str) -> Case:
     solvers = [MaterialPoint(schedule, transfer, basis, "total") for schedule, transfer in SCHEMES]
-    ladder = in_particles(LENGTH, CELLS, courant=ABOVE, ppc=(1, 2, 4))
+    ladder = in_particles(LENGTH, CELLS, courant=UNSTABLE_COURANT, ppc=(1, 2, 4))
     series = tuple(Series(Bisection(s), ladder, (StabilityLimit(s.name, BOUND, SOURCE),)) for s in solvers)
     return Case(basis, ring_modes(CELLS, length=LENGTH), series, shown="stress")
 
@@ -35,7 +35,7 @@ def _case(basis: str) -> Case:
 STUDY = Study(
     name="mpm-stability",
     title="Limits of stability of the material point method",
-    summary="A ring is let go with every wave that its grid can carry, at one Courant number after another: the largest at which no wave "
-    "grows is found by bisection, for every schedule, transfer and basis, and set against the limit of von Neumann's analysis.",
+    summary="A periodic bar starts with a standing wave of every wavelength that its grid resolves. Bisection finds the largest Courant "
+    "number at which no wave grows, for every schedule, transfer and basis; it is compared with the limit of von Neumann analysis.",
     cases=tuple(_case(basis) for basis in ("linear", "quadratic", "cubic")),
 )

@@ -1,4 +1,4 @@
-"""The solver values that the studies share, and what is known of each family."""
+"""Solvers, ladders, criteria and sources that several studies share."""
 
 from itertools import product
 
@@ -36,7 +36,10 @@ MPM = MPM_FLIP + MPM_DAMPED
 
 
 def ladder(solver: Solver, length: float) -> Refinement:
-    """Ladder of a bar of this length on which smooth fields are asymptotic; nu_C falls as h^(1/2) where P2 is of third order."""
+    """Return a ladder, for a bar of this length [m], in the asymptotic range of smooth fields.
+
+    For quadratic elements, of third order in h, nu_C falls as h^(1/2), so that the second-order error in dt does not dominate.
+    """
     if isinstance(solver, MaterialPoint):
         return halving(length, 16, quick=5, full=6, courant=0.4, ppc=2)
     if isinstance(solver, FiniteElement) and solver.degree == 2:
@@ -45,14 +48,16 @@ def ladder(solver: Solver, length: float) -> Refinement:
 
 
 MOMENTUM = Balance(
-    "momentum", "impulse", "the weights of a basis that sums to one exchange momentum pairwise; the rest is impulse"
+    "momentum",
+    "impulse",
+    "internal forces of a basis that is a partition of unity sum to zero; external forces add their impulse",
 )
-MASS = Balance("mass", "", "particles, and the integral of the reference density, keep their mass")
-SUMS_SOURCE = "what a history sums is what the fields are sampled from: a quadrature that is exact for both"
+MASS = Balance("mass", "", "the mass of every particle, and the integral of the reference density, are constant")
+SUMS_SOURCE = "the quadrature of the scheme and the quadrature over the samples give the same values of these sums"
 
 
 def sums(solver: Solver) -> FieldSums:
-    """Histories that a solver sums by a quadrature that its samples follow exactly; the reasons are in `FieldSums`."""
+    """Return the criterion on the histories that the samples of a solver reproduce exactly; `FieldSums` gives the reasons."""
     if isinstance(solver, TaylorGalerkin):
         return FieldSums(("mass", "momentum"), SUMS_SOURCE)
     if isinstance(solver, FiniteElement) and solver.mass == "lumped":
@@ -85,7 +90,8 @@ PIC_SOURCE = (
 BLEND_SOURCE = f"between the second order of FLIP on coarse levels and the first of PIC on fine ones; {PIC_SOURCE}"
 ENERGY_SOURCE = (
     "2 in dt, own von Neumann analysis at frozen positions: USF and MUSL with FLIP are leapfrogs, which keep the energy of synchronous "
-    "values up to O(dt^2); USL loses nu_C^2 D (1 - A) = O((k h)^4) of a mode's in every step besides, O(h^3) at a fixed time; "
+    "values up to O(dt^2); USL also dissipates the fraction nu_C^2 D (1 - A) = O((k h)^4) of a mode's energy in every step, O(h^3) at a "
+    "fixed time; "
     "that USL dissipates, and USF does not: Bardenhagen (2002), doi:10.1006/jcph.2002.7103"
 )
 CROSSING_SOURCE = (

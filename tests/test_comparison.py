@@ -417,9 +417,9 @@ def renamed(path):
     [
         (cut, "is not a readable netCDF file"),
         (foreign, "is not an mpmverify study file"),
-        (older, "has schema 2, this version reads"),
+        (older, "has schema 2 and this version reads"),
         (unjudged, "is damaged"),
-        (renamed, "holds the study 'other': rename it to 'other.nc', or move it away"),
+        (renamed, "contains the study 'other': rename it to 'other.nc', or move it away"),
     ],
 )
 def test_a_file_that_cannot_be_compared_is_named_in_one_sentence(two, side, damage, part):

@@ -1,4 +1,4 @@
-"""Keys of content: equal values share one, whatever runs where; every change of a value, its code or a library makes another."""
+"""Content keys: equal values have equal keys in every process; a change of a value, its code or a library changes the key."""
 
 import dataclasses
 import functools
@@ -61,7 +61,7 @@ def test_every_field_of_the_problem_changes_the_key(change):
     assert run_key(other, TaylorGalerkin(), LEVEL) != KEY
 
 
-def test_no_field_of_the_problem_is_left_out_above():
+def test_the_test_above_changes_every_field_of_the_problem():
     cases = next(mark for mark in test_every_field_of_the_problem_changes_the_key.pytestmark if mark.name == "parametrize")
     changed = {name for change in cases.args[1] for name in change} | {"shape"}
     assert changed == {f.name for f in dataclasses.fields(PROBLEM.problem)}
@@ -85,14 +85,14 @@ def test_solver_and_discretisation_change_the_key():
     assert len(set(keys)) == len(keys)
 
 
-def test_what_is_only_shown_or_compared_leaves_the_key():
+def test_text_for_the_report_does_not_change_the_key():
     assert run_key(dataclasses.replace(PROBLEM, exposes="something else"), TaylorGalerkin(), LEVEL) == KEY
 
 
-def test_the_order_of_a_mapping_is_no_content():
-    turned = dict(reversed(PROBLEM.problem.boundary.items()))
-    assert list(turned) != list(PROBLEM.problem.boundary)
-    other = dataclasses.replace(PROBLEM, problem=dataclasses.replace(PROBLEM.problem, boundary=turned))
+def test_the_order_of_a_mapping_does_not_change_the_key():
+    reordered = dict(reversed(PROBLEM.problem.boundary.items()))
+    assert list(reordered) != list(PROBLEM.problem.boundary)
+    other = dataclasses.replace(PROBLEM, problem=dataclasses.replace(PROBLEM.problem, boundary=reordered))
     assert run_key(other, TaylorGalerkin(), LEVEL) == KEY
 
 
@@ -103,27 +103,27 @@ values = st.recursive(
 )
 
 
-def exactly(value):
-    """Return a value that is equal for values of the same types and bits."""
+def typed(value):
+    """Return a value that is equal for values with the same types and bits only."""
     if isinstance(value, dict):
-        return {name: exactly(entry) for name, entry in value.items()}
-    return tuple(map(exactly, value)) if isinstance(value, tuple) else (type(value), repr(value))
+        return {name: typed(entry) for name, entry in value.items()}
+    return tuple(map(typed, value)) if isinstance(value, tuple) else (type(value), repr(value))
 
 
 @settings(max_examples=60)
 @given(values, values)
 def test_keys_are_equal_exactly_when_values_are(one, other):
-    assert (digest(one) == digest(other)) == (exactly(one) == exactly(other))
+    assert (digest(one) == digest(other)) == (typed(one) == typed(other))
 
 
-def test_numbers_are_told_apart_by_type_and_sign():
+def test_numbers_of_different_type_or_sign_have_different_keys():
     assert len({digest(value) for value in (0, 0.0, -0.0, False, None, "0", "0.0", (0.0).hex(), math.nan, math.inf)}) == 10
     assert digest(0.1 + 0.2) != digest(0.3)
     assert digest(np.float64(0.5)) == digest(0.5)
     assert digest((1, 2), 3) != digest((1, 2, 3)) != digest(1, (2, 3))
 
 
-def test_members_of_an_enumeration_are_told_apart_by_class_too():
+def test_equal_members_of_different_enumerations_have_different_keys():
     assert len({digest(member) for member in (*Schedule, *Transfer, "usl")}) == 4
 
 
@@ -144,7 +144,7 @@ def _local():
     return Local()
 
 
-NO_VALUES = {
+UNSUPPORTED = {
     "lambda": lambda x: x,
     "closure": _closure(),
     "local class": _local(),
@@ -161,8 +161,8 @@ NO_VALUES = {
 }
 
 
-@pytest.mark.parametrize("value", NO_VALUES.values(), ids=NO_VALUES.keys())
-def test_what_is_no_value_is_refused_in_one_line(value):
+@pytest.mark.parametrize("value", UNSUPPORTED.values(), ids=UNSUPPORTED.keys())
+def test_an_unsupported_value_is_refused_in_one_line(value):
     with pytest.raises(UsageError, match="has no content key: use numbers") as error:
         digest({"field": (value,)})
     assert "\n" not in str(error.value)
@@ -170,7 +170,7 @@ def test_what_is_no_value_is_refused_in_one_line(value):
 
 
 def test_a_class_without_source_is_refused():
-    """Its code could change and its runs would be taken for solved."""
+    """Its code could change without changing the key, and old runs would be reused."""
     module = types.ModuleType("typed_at_a_prompt")
     exec("import dataclasses\n@dataclasses.dataclass(frozen=True)\nclass Made:\n    x: int = 1", module.__dict__)
     with pytest.raises(UsageError, match="the source of module 'typed_at_a_prompt' cannot be found"):
@@ -181,7 +181,7 @@ def test_a_function_is_keyed_by_its_name_and_module():
     assert digest(faulty_solvers.study) != digest(faulty_solvers.plan)
 
 
-# Code: a package of a user on disk, keyed by a fresh process each time.
+# Source code in the key: a user's package on disk, whose key a fresh process computes each time.
 
 PACKAGE = {
     "__init__.py": "",
@@ -217,7 +217,7 @@ def package(tmp_path_factory):
 
 
 @pytest.mark.parametrize("module", ["scheme.py", "kernels/flux.py", "kernels/constants.py", "kernels/__init__.py"])
-def test_source_that_is_reached_by_imports_changes_the_key(package, module):
+def test_imported_source_changes_the_key(package, module):
     folder, key = package
     path = folder / "mine" / module
     source = path.read_text()
@@ -251,8 +251,8 @@ def test_a_helper_beside_a_solver_is_in_its_key_and_a_library_is_not(tmp_path):
         key = touched
 
 
-def test_a_compiled_helper_beside_a_solver_is_in_its_key_by_its_bytes(tmp_path):
-    """Built anew from other sources it is another solver, whose runs are not solved yet."""
+def test_the_bytes_of_a_compiled_module_beside_a_solver_are_in_its_key(tmp_path):
+    """A module that is rebuilt from other sources makes another solver, whose runs must be solved again."""
     (tmp_path / "scheme.py").write_text(
         "import dataclasses\n@dataclasses.dataclass(frozen=True)\nclass Mine:\n    x: float = 1.0\n"
         "    def solve(self, problem, discretisation):\n        import fast, packed.kernel, compiled, binascii\n"
@@ -277,13 +277,13 @@ def test_a_compiled_helper_beside_a_solver_is_in_its_key_by_its_bytes(tmp_path):
         key = touched
 
 
-def test_source_that_is_not_reached_leaves_the_key_as_does_the_process(package):
+def test_source_that_is_not_imported_and_the_process_do_not_change_the_key(package):
     folder, key = package
     (folder / "mine" / "unrelated.py").write_text("D = 2\n")
     assert key_in_a_fresh_process(folder, PYTHONHASHSEED="1") == key
 
 
-def test_a_solver_of_a_user_that_builds_on_ours_is_keyed_by_our_code_too(package, monkeypatch):
+def test_the_key_of_a_users_solver_that_extends_a_shipped_one_includes_both_sources(package, monkeypatch):
     folder, _ = package
     monkeypatch.syspath_prepend(folder)
     reached = content.import_closure({"mine.scheme"})
@@ -292,7 +292,7 @@ def test_a_solver_of_a_user_that_builds_on_ours_is_keyed_by_our_code_too(package
     assert "mine.unrelated" not in reached
 
 
-def test_a_solver_is_not_keyed_by_the_answer_or_the_harness():
+def test_the_key_of_a_solver_does_not_depend_on_exact_solutions_or_judging():
     reached = content.import_closure({TaylorGalerkin.__module__})
     assert "mpmverify.solution" in reached
     assert not {
@@ -321,7 +321,7 @@ def test_the_version_of_a_numerical_library_changes_the_key(monkeypatch, library
     assert changed != digest(PROBLEM.problem)
 
 
-def test_the_digest_of_a_file_is_that_of_its_bytes(tmp_path):
+def test_the_digest_of_a_file_depends_on_its_bytes(tmp_path):
     path = tmp_path / "baseline.json"
     absent = content.file_digest(path)
     path.write_text("{}")

@@ -1,4 +1,4 @@
-"""Files of results: what is read back is what was written, by any tool; what is not ours is named and left alone."""
+"""Result files: they are read back unchanged, also by other tools; files that mpmverify did not write are named and left alone."""
 
 import dataclasses
 import json
@@ -64,12 +64,12 @@ from mpmverify.problem import (
 from mpmverify.solution import Outcome, Status, Work
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 
-AWKWARD = np.array([-0.0, 5e-324, np.nan, np.inf, -np.inf, 1 / 3, 9.969209968386869e36, 1e308])
-"""Among them the fill value of netCDF."""
+EXTREME = np.array([-0.0, 5e-324, np.nan, np.inf, -np.inf, 1 / 3, 9.969209968386869e36, 1e308])
+"""Floats that are easily changed by a round trip; 9.97e36 is the fill value of netCDF."""
 
 
 def solution(**changes):
-    made = transported(advection(Gaussian()).problem, Discretisation(h=1 / len(AWKWARD), courant=0.5), 0.01)
+    made = transported(advection(Gaussian()).problem, Discretisation(h=1 / len(EXTREME), courant=0.5), 0.01)
     return dataclasses.replace(made, **changes)
 
 
@@ -83,7 +83,7 @@ def bits(arrays):
 @pytest.mark.parametrize("cells", [8, 3000], ids=["plain", "compressed"])
 def test_a_run_is_read_back_bit_for_bit(tmp_path, cells):
     made = transported(advection(Gaussian()).problem, Discretisation(h=1 / cells, courant=0.5), 0.01)
-    made.fields["u"].ravel()[: len(AWKWARD)] = AWKWARD
+    made.fields["u"].ravel()[: len(EXTREME)] = EXTREME
     made = dataclasses.replace(
         made, dt=1 / 3, work=Work(2**40, 2**50, 0.1 + 0.2), outcome=Outcome(Status.NON_FINITE, "at step 3, é")
     )
@@ -103,7 +103,7 @@ def test_a_run_without_detail_or_fields_is_read_back(tmp_path):
     assert back.outcome == made.outcome
 
 
-def test_the_mass_of_a_transported_scalar_is_its_integral_and_that_of_a_body_a_mass(tmp_path):
+def test_the_mass_history_has_the_unit_of_an_integral_for_a_scalar_and_of_a_mass_for_a_body(tmp_path):
     for quantity, units in (("u", "m"), ("displacement", "kg m-2")):
         write_run(tmp_path / f"{quantity}.nc", "k", solution(fields={quantity: solution().fields["u"]}), "title")
         with netCDF4.Dataset(tmp_path / f"{quantity}.nc") as file:
@@ -115,13 +115,13 @@ def test_xarray_opens_a_run_with_units_on_every_variable(tmp_path):
     with xr.open_dataset(tmp_path / "k.nc") as dataset:
         assert {name for name, values in dataset.variables.items() if not values.attrs.get("units")} == set()
         assert {name for name, values in dataset.variables.items() if not values.attrs.get("long_name")} == set()
-        assert {values.dtype.kind for values in dataset.variables.values()} == {"f"}, "no time became a date"
+        assert {values.dtype.kind for values in dataset.variables.values()} == {"f"}, "no time is decoded as a date"
         assert dataset["u"].dims[:2] == ("time", "point")
 
 
 def test_a_run_of_another_key_is_refused(tmp_path):
     write_run(tmp_path / "k.nc", "k", solution(), "title")
-    with pytest.raises(ResultsError, match=r"k\.nc' holds the run k: delete it"):
+    with pytest.raises(ResultsError, match=r"k\.nc' contains another run, k: delete it"):
         read_run(tmp_path / "k.nc", "another")
 
 
@@ -134,7 +134,7 @@ def test_a_run_whose_variables_are_missing_is_damaged(tmp_path):
         read_run(path, "k")
 
 
-# Whole or not at all.
+# Atomic writing.
 
 
 def test_a_writer_that_fails_leaves_nothing(tmp_path):
@@ -164,14 +164,14 @@ def test_readers_never_see_half_a_file(tmp_path):
         temporary.write_text("half")
         assert not path.exists()
         assert temporary.parent == path.parent, "a move within one file system is atomic"
-        assert Results(tmp_path).studies() == [], "what is being written is no study yet"
+        assert Results(tmp_path).studies() == [], "a file that is being written is not listed as a study"
         temporary.write_text("whole")
 
     write_atomic(path, write)
     assert path.read_text() == "whole"
 
 
-def test_what_a_killed_writer_leaves_is_no_study(tmp_path):
+def test_the_temporary_file_of_a_killed_writer_is_not_listed_as_a_study(tmp_path):
     program = (
         "import sys, time; from pathlib import Path; from mpmverify.atomic import write_atomic\n"
         "def write(temporary):\n    temporary.write_text('half'); print('writing', flush=True); time.sleep(60)\n"
@@ -186,14 +186,14 @@ def test_what_a_killed_writer_leaves_is_no_study(tmp_path):
     assert Results(tmp_path).studies() == []
 
 
-def test_a_result_is_as_readable_as_other_files(tmp_path):
+def test_a_result_has_the_permissions_of_other_files(tmp_path):
     (tmp_path / "other").write_text("")
     write_run(tmp_path / "k.nc", "k", solution(), "title")
     assert stat.S_IMODE((tmp_path / "k.nc").stat().st_mode) == stat.S_IMODE((tmp_path / "other").stat().st_mode)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs a limit on the size of files")
-def test_a_full_disk_is_named(tmp_path):
+def test_a_full_disk_raises_an_error_that_names_the_file(tmp_path):
     large = solution(fields={"u": np.random.default_rng(0).random((5, 8, 20000))})
     path, said = tmp_path / "k.nc", tmp_path / "said"
     said.touch()
@@ -210,7 +210,7 @@ def test_a_full_disk_is_named(tmp_path):
     assert list(tmp_path.iterdir()) == [said]
 
 
-# Files that are not ours.
+# Files that mpmverify did not write, or wrote in another schema.
 
 
 def foreign(path):
@@ -222,7 +222,7 @@ def truncated(path):
     path.write_bytes(path.read_bytes()[:3000])
 
 
-def of_the_other_kind(path):
+def of_an_unknown_kind(path):
     write_run(path, "k", solution(), "title")
     with netCDF4.Dataset(path, "a") as file:
         file.mpmverify_kind = "neither"
@@ -234,12 +234,12 @@ def of_another_schema(path):
         file.mpmverify_kind, file.mpmverify_schema = path.stem, 99
 
 
-def of_no_schema(path):
+def without_a_schema(path):
     with netCDF4.Dataset(path, "w") as file:
         file.mpmverify_kind = path.stem
 
 
-def of_a_wordy_schema(path):
+def with_a_text_as_schema(path):
     with netCDF4.Dataset(path, "w") as file:
         file.mpmverify_kind, file.mpmverify_schema = path.stem, "latest"
 
@@ -256,12 +256,22 @@ def a_folder(path):
     path.mkdir()
 
 
-NOT_OURS = [foreign, truncated, of_the_other_kind, of_another_schema, of_no_schema, of_a_wordy_schema, empty, a_text, a_folder]
+FOREIGN_FILES = [
+    foreign,
+    truncated,
+    of_an_unknown_kind,
+    of_another_schema,
+    without_a_schema,
+    with_a_text_as_schema,
+    empty,
+    a_text,
+    a_folder,
+]
 
 
 @pytest.mark.parametrize("kind", ["run", "study"])
-@pytest.mark.parametrize("make", NOT_OURS)
-def test_a_file_that_is_not_ours_is_named_and_left_alone(tmp_path, make, kind):
+@pytest.mark.parametrize("make", FOREIGN_FILES)
+def test_a_foreign_file_is_named_and_not_changed(tmp_path, make, kind):
     path = tmp_path / f"{kind}.nc"
     make(path)
     before = path.read_bytes() if path.is_file() else b""
@@ -332,7 +342,7 @@ def test_a_tree_is_read_back_with_its_coordinates_texts_and_attributes(tmp_path)
 
 
 def test_a_file_may_be_open_many_times(stored):
-    """Strings of variable length kill the process here, inside the netCDF library."""
+    """With strings of variable length the netCDF library would kill the process here."""
     program = (
         "import sys, xarray as xr; tree = xr.open_datatree(sys.argv[1])\n"
         "for _ in range(3):\n    for group in tree.groups: xr.open_dataset(sys.argv[1], group=group)"
@@ -351,7 +361,7 @@ def test_every_solver_is_a_group_with_errors_by_level(stored):
 
 
 def test_the_stored_errors_are_those_of_the_scripted_solver(stored):
-    """It adds h^2 everywhere, which every norm of a unit interval measures."""
+    """The solver adds an error of h^2 everywhere, which is its value in every norm on the unit interval."""
     with xr.open_datatree(stored[0] / "mixed.nc") as tree:
         good = tree["scripted-good"]
         h = good["h"].values
@@ -374,7 +384,7 @@ def test_every_numeric_variable_has_units(path):
         for node in tree.subtree:
             dataset = node.to_dataset(inherit=False)
             assert {n for n, v in dataset.variables.items() if v.dtype.kind in "iufm" and not v.attrs.get("units")} == set()
-            assert not {n for n, v in dataset.variables.items() if v.dtype.kind in "mM"}, "no second became a date"
+            assert not {n for n, v in dataset.variables.items() if v.dtype.kind in "mM"}, "no time is decoded as a date"
 
 
 ATTRIBUTES = ("title", "summary", "keywords", "source", "history", "date_created", "creator_name", "id")
@@ -399,7 +409,7 @@ def test_global_attributes_are_those_of_cf_and_acdd_with_provenance(path):
     assert check_ours(path, "study")["seeds"]
 
 
-def test_ragged_groups_add_up(path):
+def test_row_sizes_of_ragged_arrays_sum_to_their_length(path):
     with xr.open_datatree(path) as tree:
         assert any("snapshots" in node.children for node in tree.children.values())
         for node in tree.children.values():
@@ -413,7 +423,7 @@ def test_ragged_groups_add_up(path):
 
 
 def test_snapshots_hold_the_profiles_of_the_runs(stored):
-    """Row by row, the difference of the profile and the exact one is the error that the solver made."""
+    """In each row the numerical profile differs from the exact one by the error of the solver."""
     with xr.open_datatree(stored[0] / "mixed.nc") as tree:
         shots = tree["scripted-good/snapshots"].load()
         ends = np.cumsum(shots["row_size"].values)
@@ -441,7 +451,7 @@ def test_judging_a_stored_study_reproduces_its_findings(stored, path):
     assert orders == fits
 
 
-def test_a_restricted_run_says_to_what_and_what_it_lacks_of_the_baseline(tmp_path):
+def test_a_restricted_run_states_its_restriction_and_the_missing_baseline_entries(tmp_path):
     whole, known = study(Scripted("good"), TaylorGalerkin(), name="whole"), Baseline(tmp_path / "baseline.json")
     list(run([whole], plan(tmp_path)))
     accept(known, [tmp_path / "whole.nc"], "the first")
@@ -456,12 +466,12 @@ def test_a_restricted_run_says_to_what_and_what_it_lacks_of_the_baseline(tmp_pat
     assert findings(tree) == gate(path, known) == entry.findings
     assert gate(path, Baseline(tmp_path / "none"))[-1].solver == kept
     del tree.attrs["restricted_to"], tree.attrs["lacking"]
-    assert {f.solver for f in findings(tree)} == {kept}, "a file from before says nothing"
+    assert {f.solver for f in findings(tree)} == {kept}, "a file without these attributes has no such finding"
 
 
 @dataclasses.dataclass(frozen=True)
 class Swell:
-    """A load of somebody's own."""
+    """A load of a user."""
 
     largest_load: float = 1e7
     shift: float = -0.0
@@ -469,10 +479,10 @@ class Swell:
 
 
 class Opaque:
-    """Any callable that keeps the protocol, and no dataclass."""
+    """A class with the protocol of a load that is not a dataclass."""
 
 
-def test_a_problem_is_stated_in_a_few_words():
+def test_the_statement_of_a_problem():
     faces = {"x+": Traction(Swell()), "x-": Velocity(Constant(-0.0)), "y+": Traction(Constant(2e-6)), "y-": Absorbing()}
     box = Problem("p", (0.0, -1.0), (2.0, 1.5), NeoHookean(1e7, 1000.0, 0.3), faces, end_time=0.02)
     assert statement(box) == {
@@ -530,12 +540,12 @@ def test_criteria_are_read_back_as_equal_values(tmp_path):
     )
 
 
-def test_a_criterion_of_another_version_is_named():
+def test_an_unknown_criterion_is_named():
     declared = {SeriesId("hill", "tg", "nu_C=1"): CRITERION_OF_EACH_KIND[:1]}
     dataset = with_criteria(xr.Dataset(), "tg", declared)
     stored = json.loads(dataset["criterion_json"].item()) | {"type": "Magic"}
     dataset["criterion_json"] = ("criterion", [json.dumps(stored)])
-    with pytest.raises(UsageError, match="the criterion 'Magic' of 'hill' is unknown: choose from Order"):
+    with pytest.raises(UsageError, match="the criterion 'Magic' of case 'hill' is unknown: choose from Order"):
         read_criteria("tg", dataset)
 
 
@@ -550,8 +560,8 @@ def test_a_study_without_criteria_metrics_or_finished_runs_is_stored(tmp_path):
         assert opened["scripted-raises"].sizes["level"] == 3
 
 
-def test_damage_inside_a_study_file_never_raises_anything_else(tmp_path, stored):
-    """Bytes are flipped here and there: the file is refused in one sentence, or the damage lies where nothing is read."""
+def test_damage_inside_a_study_file_raises_no_unexpected_error(tmp_path, stored):
+    """Random bytes are changed: the file is refused in one sentence, unless the changed bytes are not read."""
     sound = (stored[0] / "mixed.nc").read_bytes()
     rng = np.random.default_rng(7)
     refusals = []
@@ -616,7 +626,7 @@ def with_criterion(change):
         with_criterion(lambda stored: {name: value for name, value in stored.items() if name != "type"}),
     ],
 )
-def test_a_study_that_cannot_be_understood_is_named_by_gate_and_accept(tmp_path, damage):
+def test_a_study_that_cannot_be_parsed_is_named_by_gate_and_accept(tmp_path, damage):
     list(run([study()], plan(tmp_path)))
     path = tmp_path / "scripted.nc"
     tree = read_tree(path)
@@ -627,7 +637,7 @@ def test_a_study_that_cannot_be_understood_is_named_by_gate_and_accept(tmp_path,
             read()
 
 
-def test_a_bug_in_a_criterion_is_not_blamed_on_the_file(tmp_path, monkeypatch):
+def test_an_error_in_a_criterion_is_not_reported_as_a_damaged_file(tmp_path, monkeypatch):
     def judge(self, evidence):
         raise IndexError("a bug")
 
@@ -637,7 +647,7 @@ def test_a_bug_in_a_criterion_is_not_blamed_on_the_file(tmp_path, monkeypatch):
         gate(tmp_path / "scripted.nc", Baseline(tmp_path / "none"))
 
 
-def test_a_criterion_of_a_series_that_is_not_there_is_not_dropped(tmp_path):
+def test_a_criterion_of_a_missing_series_raises_an_error(tmp_path):
     list(run([study()], plan(tmp_path)))
     path = tmp_path / "scripted.nc"
     tree = read_tree(path)
@@ -649,7 +659,7 @@ def test_a_criterion_of_a_series_that_is_not_there_is_not_dropped(tmp_path):
         gate(path, Baseline(tmp_path / "none"))
 
 
-def test_a_study_without_solvers_passes_nothing(tmp_path):
+def test_a_study_without_solvers_raises_an_error(tmp_path):
     list(run([study()], plan(tmp_path)))
     path = tmp_path / "scripted.nc"
     write_tree(path, xr.DataTree(read_tree(path).to_dataset(inherit=False)))
@@ -657,8 +667,8 @@ def test_a_study_without_solvers_passes_nothing(tmp_path):
         gate(path, Baseline(tmp_path / "none"))
 
 
-def test_a_study_passes_for_no_other_by_its_name(tmp_path):
+def test_a_study_under_the_file_name_of_another_one_is_refused(tmp_path):
     list(run([study()], plan(tmp_path)))
     (tmp_path / "scripted.nc").rename(tmp_path / "elastic-bar.nc")
-    with pytest.raises(ResultsError, match=r"holds the study 'scripted': rename it to 'scripted.nc', or move it away$"):
+    with pytest.raises(ResultsError, match=r"contains the study 'scripted': rename it to 'scripted.nc', or move it away$"):
         read_study(tmp_path / "elastic-bar.nc")

@@ -1,16 +1,16 @@
-"""What the GeHoJerez deck must show in the middle of its elements, and that its scheme shows exactly this."""
+"""Exact values of the GeHoJerez deck at the element midpoints, and the same values from the deck's own scheme."""
 
 import numpy as np
 import pytest
 
 from mpmverify.exact.deck import deck
 
-TWINS = [{}, {"length": 5.0, "h": 0.25}, {"length": 5.0, "h": 0.25, "steps": 90}, {"length": 3.0, "h": 0.5, "steps": 40}]
-twins = pytest.mark.parametrize("options", TWINS)
+DECKS = [{}, {"length": 5.0, "h": 0.25}, {"length": 5.0, "h": 0.25, "steps": 90}, {"length": 3.0, "h": 0.5, "steps": 40}]
+every_deck = pytest.mark.parametrize("options", DECKS)
 
 
 def midpoint_histories(verification):
-    """Stress and velocity (steps, elements) in the middle of every element at every multiple of dt = h/c."""
+    """Return stress and velocity (steps, elements) at the midpoint of every element at every multiple of dt = h/c."""
     problem, fields = verification.problem, verification.exact.fields
     dt, L = problem.end_time / problem.outputs, problem.upper[0]
     elements = round(L / (dt * problem.material.wave_speed))
@@ -19,15 +19,15 @@ def midpoint_histories(verification):
     return fields["stress"](x, t)[..., 0], fields["velocity"](x, t)[..., 0]
 
 
-def test_default_is_the_deck():
+def test_the_defaults_are_those_of_the_notes():
     problem = deck().problem
     assert problem.lengths == (8.0,)
     assert problem.material.wave_speed == 1.0
     assert (problem.end_time, problem.outputs) == (24.0, 24)
 
 
-@twins
-def test_pulse_of_a_quarter_travels_without_change(options):
+@every_deck
+def test_a_pulse_of_height_one_quarter_travels_unchanged(options):
     stress, velocity = midpoint_histories(deck(**options))
     steps, elements = stress.shape
     for k in range(1, min(steps, elements)):
@@ -37,7 +37,7 @@ def test_pulse_of_a_quarter_travels_without_change(options):
         assert np.allclose(velocity[k], -expected, rtol=0, atol=1e-13)
 
 
-@twins
+@every_deck
 def test_stress_doubles_at_the_fixed_end(options):
     stress, velocity = midpoint_histories(deck(**options))
     steps, elements = stress.shape
@@ -57,8 +57,8 @@ def test_velocity_doubles_and_stress_changes_sign_at_the_free_end():
     assert np.allclose(velocity[24], 0, atol=1e-13)
 
 
-@twins
-def test_momentum_changes_by_the_impulse_of_the_fixed_end_and_energy_stays(options):
+@every_deck
+def test_momentum_changes_by_the_impulse_of_the_fixed_end_and_energy_is_constant(options):
     verification = deck(**options)
     problem, fields = verification.problem, verification.exact.fields
     L, t = problem.upper[0], np.linspace(0, problem.end_time, problem.outputs * 40 + 1)
@@ -72,9 +72,9 @@ def test_momentum_changes_by_the_impulse_of_the_fixed_end_and_energy_stays(optio
     assert np.allclose(velocity.mean(axis=(1, 2)) * L, -h / 2 + impulse[::200], rtol=0, atol=1e-3 * h)
 
 
-@twins
+@every_deck
 def test_lumped_taylor_galerkin_at_a_unit_courant_number_gives_the_same_values(options):
-    """The deck's scheme, E = rho = 1: half a step at the Gauss points, a lumped step at the nodes, then the ends."""
+    """The scheme of the deck with E = rho = 1: half a step at the Gauss points, a lumped step at the nodes, then the end conditions."""
     exact_stress, exact_velocity = midpoint_histories(deck(**options))
     steps, elements = exact_stress.shape
     stress, velocity = np.zeros(elements + 1), np.zeros(elements + 1)

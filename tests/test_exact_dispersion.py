@@ -1,4 +1,4 @@
-"""Dispersion relations are the eigenvalues of one step, of which a matrix is made here by taking it, and tend to the wave equation."""
+"""Dispersion relations: eigenvalues of the matrix of one step, which is assembled here independently, and limits of long waves."""
 
 import math
 
@@ -22,7 +22,7 @@ SPLINES = {
     "linear": (BSpline.basis_element([-1, 0, 1], extrapolate=False), 0.0),
     "quadratic": (BSpline.basis_element([-1.5, -0.5, 0.5, 1.5], extrapolate=False), 0.5),
 }
-"""Spline about its node, and where the node sits in its cell."""
+"""B-spline centred on its node, and position of the node relative to the left end of its cell, in cells."""
 LIMIT = {
     "fem-p1-lumped-cd": 1.0,
     "fem-p1-consistent-cd": 1 / math.sqrt(3),
@@ -33,18 +33,18 @@ LIMIT = {
     "tg-lumped": 1.0,
     "tg-consistent-3": 1 / math.sqrt(3),
 } | {scheme: 0.7 if "usl" in scheme else 1.0 for scheme in RELATIONS if "mpm" in scheme}
-"""Courant numbers below which each scheme is stable: material points at any number of particles per cell, quadratic elements with
-their upper branch."""
+"""Courant numbers below which each scheme is stable: material points with any number of particles per cell, quadratic elements on
+both branches."""
 every_scheme = pytest.mark.parametrize("scheme", SCHEMES)
 
 
 def ring(*offsets):
-    """Circulant matrix with entries at offsets from the diagonal."""
+    """Return the circulant matrix with these (offset, value) diagonals."""
     return sum(value * np.roll(np.eye(CELLS), offset, axis=1) for offset, value in offsets)
 
 
-def of_elements(scheme, nu):
-    """One step (u, v, a) -> (u, v, a) of Newmark's rule on a ring, h = c = 1: M a = -K u at every level, by scikit-fem."""
+def step_of_elements(scheme, nu):
+    """Return the matrix of one step (u, v, a) -> (u, v, a) of Newmark's rule on a ring, h = c = 1, assembled by scikit-fem."""
     degree = int(scheme[5])
     basis = Basis(MeshLine(np.arange(CELLS + 1.0)), (ElementLineP1(), ElementLineP2())[degree - 1], intorder=6)
     unknown = np.mod(np.round(basis.doflocs[0] * degree).astype(int), CELLS * degree)
@@ -58,8 +58,8 @@ def of_elements(scheme, nu):
     return np.vstack([predictor + np.vstack([beta * nu**2 * a, nu / 2 * a]), a])
 
 
-def of_taylor_galerkin(scheme, nu):
-    """One step (sigma, v) -> (sigma, v) on a ring, h = rho = E = 1: predictor in the elements, corrector by mass passes."""
+def step_of_taylor_galerkin(scheme, nu):
+    """Return the matrix of one step (sigma, v) -> (sigma, v) on a ring, h = rho = E = 1: predictor in the elements, then mass passes."""
     mean, slope, none = ring((0, 0.5), (1, 0.5)), ring((0, -1.0), (1, 1.0)), np.zeros((CELLS, CELLS))
     half = np.block([[mean, nu / 2 * slope], [nu / 2 * slope, mean]])
     spread = np.block(
@@ -72,8 +72,8 @@ def of_taylor_galerkin(scheme, nu):
     return np.eye(2 * CELLS) + change
 
 
-def of_particles(scheme, nu, ppc):
-    """One step (v_p, sigma_p) -> (v_p, sigma_p) on a ring, h = rho = E = 1, column by column."""
+def step_of_particles(scheme, nu, ppc):
+    """Return the matrix of one step (v_p, sigma_p) -> (v_p, sigma_p) on a ring, h = rho = E = 1, column by column."""
     count = CELLS * ppc
     x = (np.arange(count) + 0.5) / ppc
     left = np.floor(x).astype(int)
@@ -103,15 +103,15 @@ def of_particles(scheme, nu, ppc):
 
 def one_step(scheme, nu, ppc):
     if scheme.startswith("mpm"):
-        return of_particles(scheme, nu, ppc)
-    return of_taylor_galerkin(scheme, nu) if scheme.startswith("tg") else of_elements(scheme, nu)
+        return step_of_particles(scheme, nu, ppc)
+    return step_of_taylor_galerkin(scheme, nu) if scheme.startswith("tg") else step_of_elements(scheme, nu)
 
 
 @every_scheme
 @LIGHT
 @given(st.floats(0.05, 0.99), st.integers(1, 4))
 def test_factors_are_the_oscillating_eigenvalues_of_a_step(scheme, share, ppc):
-    """Of every mode of the ring but the constant and the shortest one, whose eigenvalues may be double."""
+    """All modes of the ring are tested except the constant and the shortest one, whose eigenvalues may be double."""
     nu = share * LIMIT[scheme]
     theta = 2 * np.pi * np.arange(1, CELLS // 2) / CELLS
     factors = RELATIONS[scheme](theta, nu, ppc)
@@ -123,9 +123,9 @@ def test_factors_are_the_oscillating_eigenvalues_of_a_step(scheme, share, ppc):
 @LIGHT
 @given(st.floats(0.05, 0.95), st.integers(1, 4), st.floats(0.05, 3.0))
 def test_the_mode_itself_is_multiplied_by_the_factor(scheme, share, ppc, fraction):
-    """From a wave, what a step makes of the stress or displacement obeys s'' = 2 Re(z) s' - |z|^2 s exactly.
+    """The stress or displacement s_n that starts from a wave obeys s_(n+1) = 2 Re(z) s_n - |z|^2 s_(n-1) exactly.
 
-    Of quadratic elements it excites both branches.
+    Quadratic elements are left out, because the wave excites both of their branches.
     """
     nu = share * LIMIT[scheme]
     k = max(1, min(CELLS // 2 - 1, round(fraction * CELLS / 2 / 3.2)))
@@ -170,10 +170,10 @@ def test_long_waves_obey_the_wave_equation_to_second_order(scheme, courant):
         ("mpm-tl-quadratic-usl-flip", lambda nu: (1 - nu**2) / 24 + 3 / 32 + 1 / 8),
     ],
 )
-def test_leading_phase_errors_are_those_of_the_series(scheme, lag):
-    """Belytschko and Mullen (1978), Hughes (1987), Donea (1984); of material points by A = 1 - 2 mean xi (1 - xi) (1 - cos theta).
+def test_leading_phase_errors_are_those_of_the_literature(scheme, lag):
+    """Belytschko and Mullen (1978), Hughes (1987), Donea (1984); material points by A = 1 - 2 mean xi (1 - xi) (1 - cos theta).
 
-    Two particles a cell lie at xi = 1/4 and 3/4; a quadratic spline has the variance 1/4 in every point.
+    The two particles of a cell lie at xi = 1/4 and 3/4; a quadratic spline has the variance 1/4 at every point.
     """
     for nu in (0.2, 0.4, 0.55):
         assert leading_errors(scheme, nu, 2)[0] == pytest.approx(lag(nu), abs=1e-6)
@@ -184,7 +184,7 @@ SHARP = {"fem-p1-lumped-cd", "fem-p1-consistent-cd", "tg-lumped", "tg-consistent
 
 @every_scheme
 @pytest.mark.parametrize("ppc", [1, 2, 3])
-def test_waves_do_not_grow_below_the_limit_and_do_above_a_sharp_one(scheme, ppc):
+def test_waves_do_not_grow_below_the_limit_and_grow_above_a_sharp_limit(scheme, ppc):
     theta = np.linspace(0.01, np.pi, 500)
     assert np.abs(RELATIONS[scheme](theta, 0.99 * LIMIT[scheme], ppc)).max() <= 1 + 1e-12
     if scheme in SHARP:
@@ -192,7 +192,7 @@ def test_waves_do_not_grow_below_the_limit_and_do_above_a_sharp_one(scheme, ppc)
 
 
 @pytest.mark.parametrize(("scheme", "limit"), [("usl", math.sqrt(0.5)), ("usf", 2.0), ("musl", 2.0)])
-def test_the_limits_of_material_points_at_one_centred_particle_a_cell(scheme, limit):
+def test_the_limits_of_material_points_with_one_centred_particle_per_cell(scheme, limit):
     theta = np.linspace(0.01, np.pi - 0.01, 2000)
     relation = RELATIONS[f"mpm-tl-linear-{scheme}-flip"]
     assert np.abs(relation(theta, limit - 1e-3, 1)).max() <= 1 + 1e-9
@@ -201,7 +201,7 @@ def test_the_limits_of_material_points_at_one_centred_particle_a_cell(scheme, li
 
 @pytest.mark.parametrize("mass", ["lumped", "consistent"])
 @pytest.mark.parametrize("integrator", ["cd", "newmark"])
-def test_small_steps_leave_the_semi_discrete_dispersion(mass, integrator):
+def test_small_steps_give_the_semi_discrete_dispersion(mass, integrator):
     theta = np.linspace(0.1, 3, 30)
     z = RELATIONS[f"fem-p1-{mass}-{integrator}"](theta, 1e-4, 1)
     assert np.allclose(np.angle(z) / 1e-4, np.sqrt(linear_elements(theta, mass)), rtol=1e-6)
@@ -223,8 +223,8 @@ def test_at_a_unit_courant_number_waves_are_translated_exactly(scheme):
         ("mpm-tl-linear-musl-flip", lambda nu: 0.0),
     ],
 )
-def test_leading_losses_are_those_of_the_series(scheme, loss):
-    """Donea (1984): |G|^2 = 1 - nu^2 (1 - nu^2) theta^4/4, or nu^2 (1 - 3 nu^2) theta^4/12; of USL |z|^2 = 1 - nu^2 D (1 - A)."""
+def test_leading_losses_are_those_of_the_literature(scheme, loss):
+    """Donea (1984): |G|^2 = 1 - nu^2 (1 - nu^2) theta^4/4, or nu^2 (1 - 3 nu^2) theta^4/12; USL: |z|^2 = 1 - nu^2 D (1 - A)."""
     for nu in (0.2, 0.4, 0.55):
         assert leading_errors(scheme, nu, 2)[1] == pytest.approx(loss(nu), abs=1e-6)
 
@@ -234,7 +234,7 @@ def test_leading_losses_are_those_of_the_series(scheme, loss):
 
 @pytest.mark.parametrize("scheme", ["fem-p1-lumped-cd", "fem-p1-consistent-cd", "tg-lumped", "mpm-tl-linear-musl-flip"])
 def test_the_lag_of_a_front_tends_to_that_of_an_airy_function(scheme):
-    """The middle of its integral lies at a zero of int_{-s}^inf Ai - 1/2, in widths (3 lag nu_C n)^(1/3)."""
+    """The middle of the integral of Ai lies at the zero of int_{-s}^inf Ai - 1/2, in units of the width (3 lag nu_C n)^(1/3)."""
     middle = brentq(lambda s: itairy(s)[2] - 1 / 6, 0, 2)
     nu, steps = 0.5, 20000
     lag, _ = leading_errors(scheme, nu, 2)
@@ -242,13 +242,13 @@ def test_the_lag_of_a_front_tends_to_that_of_an_airy_function(scheme):
     assert front_lag(scheme, nu, steps, 2) == pytest.approx(middle * width, rel=0.03)
 
 
-def test_a_front_that_is_carried_exactly_does_not_lag():
+def test_a_front_that_is_translated_exactly_does_not_lag():
     assert front_lag("tg-lumped", 1.0, 200) == pytest.approx(0, abs=1e-9)
 
 
 @pytest.mark.parametrize("passes", [1, 3])
 def test_the_lag_of_a_front_is_that_of_the_scheme_stepped_on_a_long_ring(passes):
-    """By its matrix, from a jump at a node."""
+    """The initial jump lies on a node."""
     cells, nu, steps = 400, 0.5, 150
     position = np.arange(cells)
     u = np.where((position > 50) & (position < 200), 1.0, 0.0)
@@ -265,6 +265,6 @@ def test_the_lag_of_a_front_is_that_of_the_scheme_stepped_on_a_long_ring(passes)
     for _ in range(steps):
         u = step(u)
     j = 200 + np.flatnonzero((u[200:] >= 0.5) & (np.roll(u, -1)[200:] < 0.5))[0]
-    place = j + (u[j] - 0.5) / (u[j] - u[j + 1])
+    position_of_front = j + (u[j] - 0.5) / (u[j] - u[j + 1])
     scheme = "tg-lumped" if passes == 1 else "tg-consistent-3"
-    assert front_lag(scheme, nu, steps) == pytest.approx(200 + nu * steps - place, abs=0.02)
+    assert front_lag(scheme, nu, steps) == pytest.approx(200 + nu * steps - position_of_front, abs=0.02)

@@ -1,4 +1,4 @@
-"""What is known of the pulled bar without its formula: characteristics, reflections, energy, and the loads' integrals."""
+"""Properties of the loaded bar that do not depend on its formula: characteristics, reflections, energy, integrals of the loads."""
 
 import itertools
 import math
@@ -38,18 +38,18 @@ def fields(verification):
 
 @given(bars, st.floats(0, 8), st.floats(0.01, 0.4), st.sampled_from([1, -1]))
 def test_characteristics(bar, start, offset, direction):
-    """The invariant sigma - rho c v rides +c and sigma + rho c v rides -c, across every front of the other family."""
-    assume(abs(start - round(start)) > 1e-6)  # else the ray may lie on a front, where the value is a matter of round-off
+    """The invariant sigma - rho c v is constant along x - ct and sigma + rho c v along x + ct, across every front of the other family."""
+    assume(abs(start - round(start)) > 1e-6)  # else the ray may lie on a front, where the value depends on round-off
     stress, velocity, L, c, impedance = fields(bar)
     travelled = L * np.linspace(offset, 0.98, 40)
     x, t = (travelled if direction > 0 else L - travelled)[:, None], start * L / c + travelled / c
-    riding = np.einsum("iij->i", stress(x, t) - direction * impedance * velocity(x, t))
-    assert np.ptp(riding) <= 1e-11 * abs(bar.problem.boundary["x+"].value.amplitude)
+    invariant = np.einsum("iij->i", stress(x, t) - direction * impedance * velocity(x, t))
+    assert np.ptp(invariant) <= 1e-11 * abs(bar.problem.boundary["x+"].value.amplitude)
 
 
 @given(bars)
 def test_displacement_is_the_integral_of_velocity_across_fronts(bar):
-    """With u_t = v off the fronts (test_exact.py) it remains that u does not jump: its increments are bounded by |v|."""
+    """The increments of u are bounded by |v|, so u does not jump; u_t = v away from the fronts is tested in test_exact.py."""
     _, velocity, L, c, impedance = fields(bar)
     t = np.linspace(0, bar.problem.end_time, 4001)
     x = L * np.array([[0.0], [0.31], [0.77], [1.0]])
@@ -67,7 +67,7 @@ def test_nothing_moves_ahead_of_the_first_front(bar):
 
 
 @pytest.mark.parametrize(("length", "modulus", "density", "p0"), [(1.0, 1.0, 1.0, 1e-6), (2.5, 7.0, 3.0, -2.0)])
-def test_step_load_makes_a_triangular_end_displacement_and_doubles_the_stress_at_the_fixed_end(length, modulus, density, p0):
+def test_step_load_gives_a_triangular_end_displacement_and_doubles_the_stress_at_the_fixed_end(length, modulus, density, p0):
     bar = elastic_bar(StepLoad(p0), length=length, youngs_modulus=modulus, density=density)
     transit = length * math.sqrt(density / modulus)
     t = transit * np.linspace(0.013, 15.983, 1601)
@@ -86,7 +86,7 @@ def test_default_end_times_leave_the_wave_inside_the_bar():
     ends = np.array([[0.0], [1.0]])
     assert np.abs(pulse.exact.fields["stress"](ends, np.array([pulse.problem.end_time]))).max() < 1e-15
     middle = pulse.exact.fields["stress"](np.array([[0.5]]), np.array([pulse.problem.end_time]))
-    assert np.isclose(middle, -1)  # a free end turned it round once, a fixed end did not
+    assert np.isclose(middle, -1)  # reflection at the loaded end changes the sign, at the fixed end it does not
 
 
 @given(st.builds(SmoothPulse, amplitudes, st.floats(1.3, 2.0), st.floats(0.15, 0.2)), positive, st.floats(0.1, 0.9))
@@ -110,7 +110,7 @@ def test_integral_of_the_load(load, end):
     assert load.integral(np.array([-1.0, 0.0])).tolist() == [0, 0]
 
 
-def test_loads_are_what_their_names_say():
+def test_values_of_the_loads():
     t = np.array([0.0, 0.15, 0.3, 0.5, 2.0])
     assert StepLoad(3.0)(t).tolist() == [3.0] * 5
     assert np.allclose(RampLoad(3.0, 0.3)(t), [0, 1.5, 3, 3, 3])

@@ -1,4 +1,4 @@
-"""The order that regularity allows: its limits, the orders that finite differences show, and the bands of the studies."""
+"""The order that regularity allows: its limits, the orders that finite-difference schemes show, and the bands of the studies."""
 
 import math
 
@@ -48,8 +48,8 @@ def test_known_orders(formal, derivatives, norm, order):
 
 
 @pytest.mark.parametrize(("formal", "profile"), [(1, "jump"), (1, "kink"), (2, "jump"), (2, "kink"), (2, "second derivative")])
-def test_upwind_and_lax_wendroff_schemes_show_it_in_l2(formal, profile):
-    """Carried round a ring of up to 2^15 cells by their symbols; the exact solution is the initial one."""
+def test_upwind_and_lax_wendroff_schemes_have_the_expected_order_in_l2(formal, profile):
+    """The profile goes once around a ring of up to 2^15 cells, by the amplification factors, and must return to its initial values."""
     derivatives = {"jump": 1, "kink": 2, "second derivative": 3}[profile]
     shape = {
         "jump": lambda x: np.where(np.abs(x - 0.5) < 0.2503, 1.0, 0.0),
@@ -59,8 +59,8 @@ def test_upwind_and_lax_wendroff_schemes_show_it_in_l2(formal, profile):
     errors, cells, nu = [], 2 ** np.arange(9, 16), 0.5
     for n in cells:
         u, theta = shape(np.arange(n) / n), 2 * np.pi * np.arange(n // 2 + 1) / n
-        one = 1 - np.exp(-1j * theta)
-        factor = 1 - nu * one if formal == 1 else 1 - 1j * nu * np.sin(theta) - nu**2 * (1 - np.cos(theta))
+        difference = 1 - np.exp(-1j * theta)
+        factor = 1 - nu * difference if formal == 1 else 1 - 1j * nu * np.sin(theta) - nu**2 * (1 - np.cos(theta))
         carried = np.fft.irfft(np.fft.rfft(u) * factor ** round(n / nu), n)
         errors.append(np.sqrt(np.mean((carried - u) ** 2)))
     measured = -np.polyfit(np.log(cells[3:]), np.log(errors[3:]), 1)[0]
@@ -80,6 +80,6 @@ def declared():
 
 
 @pytest.mark.parametrize(("criterion", "formal", "derivatives"), list(declared()))
-def test_the_bands_of_the_studies_hold_the_order_that_regularity_allows(criterion, formal, derivatives):
-    """Bands of a solution that is not smooth; of it and of the solver's formal order alone."""
+def test_the_bands_of_the_studies_contain_the_order_that_regularity_allows(criterion, formal, derivatives):
+    """Tests the bands of all solutions that are not smooth, with the formal order that the solver declares."""
     assert criterion.low <= expected_order(formal, derivatives, criterion.norm) <= criterion.high

@@ -1,4 +1,4 @@
-"""What is known of a standing wave without its formula: period, energy, orthogonality; and of the manufactured one."""
+"""Properties of standing waves that do not depend on their formulas: period, energy, orthogonality; and the manufactured bar."""
 
 import math
 
@@ -28,7 +28,7 @@ def midpoints(length, count=400):
 
 
 @given(vibrations)
-def test_energy_is_constant_and_swings_between_kinetic_and_strain(verification):
+def test_energy_is_constant_and_alternates_between_kinetic_and_strain(verification):
     problem, fields = verification.problem, verification.exact.fields
     law, X = problem.material, midpoints(problem.upper[0])
     t = problem.end_time / 1.1 * np.linspace(0, 1, 41)
@@ -53,22 +53,22 @@ def test_mode_shapes_are_orthogonal_to_the_next_mode_and_repeat_after_a_period(v
 
 @given(vibrations)
 def test_mode_n_has_n_minus_one_nodes_inside_the_bar(verification):
-    """A ring has twice as many half waves."""
+    """Mode n of a periodic bar has 2n half waves, hence 2n - 1 nodes."""
     problem = verification.problem
     half_waves = int(problem.name.rsplit("-", 1)[1]) * (2 if "periodic" in problem.name else 1)
     shape = problem.initial["velocity"](midpoints(problem.upper[0]))[:, 0]
     assert np.count_nonzero(shape[1:] * shape[:-1] < 0) == half_waves - 1
 
 
-def test_literature_set_has_a_period_of_five_seconds():
+def test_the_parameters_of_the_literature_give_a_period_of_five_seconds():
     problem = axial_vibration().problem
     assert math.isclose(problem.end_time, 5.5)
     assert problem.initial["velocity"](np.array([[12.5]])) == 0.1
 
 
 @given(st.floats(0.01, 0.3), positive, positive, st.floats(-0.4, 0.45), st.floats(0.01, 0.99), st.floats(0.0, 3.0))
-def test_body_force_is_what_sympy_derives_from_the_motion(amplitude, modulus, density, poisson, x, time):
-    """It is b = u_tt - P_X/rho with P = dW/dF."""
+def test_body_force_is_the_one_that_sympy_derives_from_the_motion(amplitude, modulus, density, poisson, x, time):
+    """The force is b = u_tt - P_X/rho with P = dW/dF."""
     problem = manufactured(amplitude, youngs_modulus=modulus, density=density, poissons_ratio=poisson).problem
     law = problem.material
     derived = BODY_FORCE(x, time, amplitude, modulus, density, law.shear_modulus, law.lame_lambda)
@@ -98,7 +98,7 @@ def test_a_small_manufactured_motion_is_the_first_mode_of_the_linear_bar():
     assert np.abs(verification.problem.body_force(X, t)).max() < 1e-6 * inertia
 
 
-def test_a_period_returns_the_manufactured_bar_to_rest_position():
+def test_the_manufactured_bar_is_undeformed_after_a_period():
     verification = manufactured(0.05)
     X = midpoints(1.0, 20)
     displacement = verification.exact.fields["displacement"](X, np.array([0.0, 0.005, 0.02]))

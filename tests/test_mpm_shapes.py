@@ -379,13 +379,13 @@ def test_colliding_disks_exchange_momentum_and_conserve_its_sum(transfer):
         (lambda: offset(0.5), "offset"),
         (lambda: offset(math.nan), "offset"),
         (lambda: Layout("mine", offset=-0.6), "offset"),
-        (lambda: Bodies(()), "one at least"),
+        (lambda: Bodies(()), "give one or more bodies"),
         (lambda: Bodies((Block((0.0,), (1.0,)), Disk((2.0, 0.0), 0.5))), "all of one dimension"),
         (lambda: Block((0.0, 0.0), (1.0, 0.0)), "the upper above the lower"),
         (lambda: Block((0.0,), (1.0, 1.0)), "two corners"),
         (lambda: Block((0.0,), (math.inf,)), "finite"),
-        (lambda: body(Block((0.0, 0.0), (1.1, 1.0))), "must lie in a box of its dimension"),
-        (lambda: body(Bodies((Block((0.0,), (0.5,)),))), "must lie in a box of its dimension"),
+        (lambda: body(Block((0.0, 0.0), (1.1, 1.0))), "must lie in the box, in its dimension"),
+        (lambda: body(Bodies((Block((0.0,), (0.5,)),))), "must lie in the box, in its dimension"),
         (lambda: MaterialPoint(layout="gauss"), "the layout of a material point solver"),
         (
             lambda: MaterialPoint().solve(

@@ -378,7 +378,7 @@ class Nested(Scripted):
 def test_declarations_that_cannot_be_stored_are_refused():
     with pytest.raises(UsageError, match=r"declares hill / scripted-good / nu_C=0\.5 twice"):
         study(Scripted(), Scripted())
-    with pytest.raises(UsageError, match="has two solvers of the name 'same': rename one"):
+    with pytest.raises(UsageError, match="has two solvers with the name 'same': rename one"):
         Study(
             "s",
             "t",
@@ -389,9 +389,9 @@ def test_declarations_that_cannot_be_stored_are_refused():
             ),
         )
     for name in ("a/b", "", ".hidden"):
-        with pytest.raises(UsageError, match="cannot name a file or a group"):
+        with pytest.raises(UsageError, match="cannot name a file: use a name without '/'"):
             study(Nested(title=name))
-        with pytest.raises(UsageError, match="cannot name a file or a group"):
+        with pytest.raises(UsageError, match="cannot name a file: use a name without '/'"):
             study(name=name)
 
 
@@ -400,7 +400,7 @@ def test_declarations_that_cannot_be_stored_are_refused():
 )
 def test_a_ladder_with_an_impossible_quick_tier_is_refused(levels, quick):
     """A study without runs would have no verdict that could fail."""
-    with pytest.raises(UsageError, match=r"ladder 'l' has \d levels: the quick tier cannot run"):
+    with pytest.raises(UsageError, match=r"ladder 'l' has \d levels: let the quick tier run 1 to \d, not"):
         Refinement("l", levels, quick)
 
 

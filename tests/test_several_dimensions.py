@@ -1,4 +1,4 @@
-"""Bodies in two and three dimensions, from a solver through runs, datasets and verdicts to pages, beside those in one."""
+"""Bodies in one, two and three dimensions: from the solver through runs, datasets and verdicts to the report."""
 
 import json
 
@@ -53,7 +53,7 @@ def good(*problems):
 
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
-    """Results of good solvers, one study a body, and their pages."""
+    """Return the results of solvers without a fault, one study per body, with their report."""
     path = tmp_path_factory.mktemp("several")
     table = {}
     for body in good("bar", "square", "cube", "ring", "vortex"):
@@ -64,7 +64,7 @@ def stored(tmp_path_factory):
 
 
 @pytest.mark.parametrize("name", ["bar", "square", "cube", "ring", "vortex"])
-def test_what_is_right_passes(stored, name):
+def test_solvers_without_a_fault_pass(stored, name):
     findings = [f for f in stored[1][name].findings if f.gate == "verification"]
     assert len(findings) == 6
     assert {f.verdict for f in findings} == {Verdict.PASS}, [str(f) for f in findings]
@@ -87,7 +87,7 @@ def test_what_is_right_passes(stored, name):
         ("weight-of-the-box", Verdict.ERROR, "its first weights sum to 2, and the measure of the box is 1"),
     ],
 )
-def test_what_is_wrong_is_no_pass(behaviour, verdict, reason):
+def test_solvers_with_a_fault_do_not_pass(behaviour, verdict, reason):
     findings = verify(Sampled(SQUARE, behaviour), study(*good("square")))
     wrong = [f for f in findings if f.verdict is not Verdict.PASS]
     assert wrong
@@ -95,12 +95,12 @@ def test_what_is_wrong_is_no_pass(behaviour, verdict, reason):
     assert all(reason in str(f) for f in wrong), [str(f) for f in wrong]
 
 
-def test_the_weights_of_a_ring_are_those_of_the_ring():
+def test_the_weights_of_a_ring_must_sum_to_its_area():
     (finding, *_) = verify(Sampled(RING, "weight-of-the-box"), study(*good("ring")))
     assert "its first weights sum to 1.25663706, and the measure of the body is 0.628318531" in finding.reason
 
 
-def test_a_run_in_the_plane_is_read_back_bit_for_bit_with_its_units(stored):
+def test_a_run_in_two_dimensions_is_read_back_bit_for_bit_with_its_units(stored):
     results, _ = stored
     task = tasks_of(Study("ring", "ring", "A body.", tuple(good("ring"))), plan(results.path))[0]
     back = read_run(results.run(task.key), task.key)
@@ -119,7 +119,7 @@ def test_a_run_in_the_plane_is_read_back_bit_for_bit_with_its_units(stored):
     ("dimension", "mass", "momentum", "energy"),
     [(1, "kg m-2", "kg m-1 s-1", "J m-2"), (2, "kg m-1", "kg s-1", "J m-1"), (3, "kg", "kg m s-1", "J")],
 )
-def test_histories_are_per_cross_section_per_thickness_or_of_the_whole_body(dimension, mass, momentum, energy):
+def test_units_of_histories_are_per_cross_section_per_thickness_or_of_the_whole_body(dimension, mass, momentum, energy):
     units = history_units(dimension)
     assert units["mass"] == mass
     assert {units[name] for name in components("momentum", dimension)} == {momentum}
@@ -152,7 +152,7 @@ def test_snapshots_hold_every_component_by_its_name(stored, name, suffix):
     }
 
 
-def test_tables_and_pages_hold_bodies_of_every_dimension(stored):
+def test_tables_and_pages_contain_bodies_of_every_dimension(stored):
     results, _ = stored
     tables = read_tables([results.study(name) for name in ("bar", "square", "cube", "ring")])
     assert {key.study for key, _, _ in tables.errors} == {"bar", "square", "cube", "ring"}
@@ -165,7 +165,7 @@ def test_tables_and_pages_hold_bodies_of_every_dimension(stored):
 
 
 def test_one_solver_may_be_judged_on_bodies_of_several_dimensions(tmp_path):
-    """Histories of a bar and of a square have other units, and share no variable."""
+    """Histories of a bar and of a square have different units and are separate variables."""
     anywhere = Everywhere((BAR, SQUARE, CUBE))
     cases = [case(name, problem, anywhere) for name, problem in (("bar", BAR), ("square", SQUARE), ("cube", CUBE))]
     (judged,) = run([study(*cases)], plan(tmp_path))
@@ -184,7 +184,7 @@ def test_one_solver_may_be_judged_on_bodies_of_several_dimensions(tmp_path):
     assert "kg s⁻¹" in str(figures[1]["series"][0]["histories"])
 
 
-def test_the_size_of_a_tensor_counts_every_entry():
+def test_norms_of_a_tensor_count_every_entry():
     level = Discretisation(1 / 8, 0.5)
     for problem, quantity in ((SQUARE, "stress"), (CUBE, "stress"), (VORTEX, "stress"), (CUBE, "displacement_gradient")):
         solution = Sampled(problem).solve(problem.problem, level)
@@ -217,12 +217,12 @@ def test_components_of_every_quantity(dimension):
 
 @pytest.mark.parametrize("solver", [FiniteElement(1, "lumped", "central-differences"), TaylorGalerkin(1)])
 @pytest.mark.parametrize("problem", [SQUARE, CUBE, RING])
-def test_solvers_of_bars_refuse_what_is_no_bar(solver, problem):
+def test_one_dimensional_solvers_refuse_other_dimensions(solver, problem):
     with pytest.raises(UsageError, match=r"cannot solve .*: it takes .*one.dimension"):
         solver.solve(problem.problem, Discretisation(1 / 8, 0.2))
 
 
-def test_the_independent_reference_converges_to_the_bar_that_starts_deformed():
+def test_the_finite_element_reference_converges_on_the_bar_that_starts_deformed():
     criteria = (Order("displacement", "L2", 2.9, 3.1, "P2"), Order("stress", "L2", 1.9, 2.1, "P2"))
     solver = FiniteElement(2, "consistent", "central-differences")
     refinement = halving(1.0, 8, quick=4, full=4, courant=0.2, courant_power=0.5)

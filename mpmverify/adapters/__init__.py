@@ -1,5 +1,5 @@
-"""Own code on the bench: what makes a solver of something else.
+"""Adapters: wrappers that give another solver, or a code outside this package, the protocol of a `Solver`.
 
-Here belong wrappers that keep the protocol of a `Solver` around another solver or another code. Shipped schemes do not: they are in
-`mpmverify.solvers`.
+What runs, measures or translates for a solver that is not written for this package belongs here. The shipped schemes do not: they are
+in `mpmverify.solvers`.
 """

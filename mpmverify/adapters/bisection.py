@@ -1,4 +1,4 @@
-"""The limit of stability of any solver, measured: a solver that searches for its own largest time step."""
+"""Measurement of the stability limit of a solver, by bisection of the Courant number."""
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
@@ -7,24 +7,26 @@ from mpmverify.problem import Discretisation, Problem
 from mpmverify.solution import Outcome, Solution, Solver, Status
 
 GROWTH = 100.0
-"""A run has grown when it holds so many times the energy that it began with."""
+"""A run is unstable if its final energy exceeds this multiple of its initial energy."""
 HALVINGS = 10
-"""Courant numbers below that of the level at which a stable run is looked for."""
+"""Number of times that the Courant number is halved in search of a stable run."""
 UNSTABLE = (Status.UNSTABLE, Status.NON_FINITE)
 
 
 @dataclass(frozen=True)
 class Bisection:
-    """A solver at the largest Courant number, up to that of the level, at which its energy does not grow.
+    """A solver that runs another one at the largest Courant number, up to that of the level, at which its energy does not grow.
 
-    For a problem without external work whose initial data hold every mode of the grid. What it returns is the last stable run, of
-    which `dt` is the limit; a run that grows where none is stable, or that ends in any other way.
+    The problem must have no external work, and its initial data must contain every mode of the grid. The solution is the stable run
+    with the largest Courant number, and its `dt` is the measured limit. If no run is stable, the solution is the last unstable run; if
+    a run ends in another way, for example by a crash, the solution is that run.
 
     Parameters
     ----------
     solver : Solver
+        Solver whose limit is measured.
     resolution : float
-        Relative distance between the last stable and the first unstable Courant number.
+        Relative difference at which the bisection between a stable and an unstable Courant number stops.
     """
 
     solver: Solver
@@ -36,7 +38,7 @@ class Bisection:
 
     @property
     def orders(self) -> Mapping[str, float]:
-        """None: the levels do not converge."""
+        """Empty: the levels do not converge."""
         return {}
 
     @property
@@ -44,12 +46,12 @@ class Bisection:
         return self.solver.conserves
 
     def kernel(self, problem: Problem) -> Hashable:
-        """What its solver compiles."""
-        says = getattr(self.solver, "kernel", None)
-        return says(problem) if callable(says) else None
+        """Return the `kernel` of the solver, or None if it has none."""
+        kernel = getattr(self.solver, "kernel", None)
+        return kernel(problem) if callable(kernel) else None
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
-        """Solve at half the Courant number until that is stable, then between stable and unstable ones."""
+        """Halve the Courant number until a run is stable, then bisect between it and the unstable one above."""
 
         def solved(courant: float) -> Solution:
             return self.solver.solve(problem, replace(discretisation, courant=courant))
@@ -64,7 +66,7 @@ class Bisection:
                 break
             above = below
         else:
-            return replace(found, outcome=Outcome(Status.UNSTABLE, f"it grows at nu_C = {above:.3g} still"))
+            return replace(found, outcome=Outcome(Status.UNSTABLE, f"still unstable at nu_C = {above:.3g}"))
         while found.outcome.completed and above > (1 + self.resolution) * below:
             middle = (below + above) / 2
             tried = solved(middle)
@@ -76,7 +78,7 @@ class Bisection:
 
 
 def grows(solution: Solution) -> bool:
-    """Whether a run is unstable, by its own word or by its energy, which NaN never keeps."""
+    """Whether a run is unstable, by its status or by its energy; an energy of NaN counts as growth."""
     if solution.outcome.status in UNSTABLE:
         return True
     parts = [solution.histories[name] for name in ("kinetic_energy", "strain_energy") if name in solution.histories]

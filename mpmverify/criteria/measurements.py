@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mpmverify.exact.waves import oscillation
+from mpmverify.exact.waves import oscillating_root
 from mpmverify.problem import Array
 
 ITERATIONS = 50
@@ -67,7 +67,7 @@ def step_factor(history: Array) -> complex:
         return complex(math.nan, math.nan)
     before, now, after = (np.ravel(part) / size for part in (history[:-2], history[1:-1], history[2:]))
     (trace, minus), _, rank, _ = np.linalg.lstsq(np.stack([now, before], axis=-1), after, rcond=1e-9)
-    return complex(oscillation(trace, -minus)) if rank == 2 else complex(math.nan, math.nan)
+    return complex(oscillating_root(trace, -minus)) if rank == 2 else complex(math.nan, math.nan)
 
 
 def amplitude(values: Array, weight: Array) -> float:

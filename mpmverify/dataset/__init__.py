@@ -1,5 +1,5 @@
-"""Results in netCDF files and back: one file for each finished run, one for each study, one for the self-test.
+"""Reading and writing of results as netCDF files: one for each finished run, one for each study, one for the self-test.
 
-Here belong the layout of these files, their provenance, and `verdicts.json` beside them. Nothing is solved, measured or judged
-here: what is written comes from `execution` and `judgement`, and what is read goes there or to the pages.
+The layout of these files, their provenance and the file `verdicts.json` belong here. Nothing is solved, measured or judged here:
+`execution` and `judgement` supply what is written.
 """

@@ -1,4 +1,4 @@
-"""Criteria in the dataset of a solver: a file can be judged alone."""
+"""Declared criteria in the dataset of a solver, so that a study's file can be judged without its declaration."""
 
 import dataclasses
 import json
@@ -17,9 +17,9 @@ COLUMNS = ("criterion_case", "criterion_refinement", "criterion_json")
 
 
 def with_criteria(dataset: xr.Dataset, solver: str, declared: Mapping[SeriesId, Sequence[Criterion]]) -> xr.Dataset:
-    """Add the declared criteria of a solver to its dataset, one row each."""
+    """Return the dataset of a solver with its declared criteria added, one row for each criterion."""
     rows = [
-        # A criterion is a frozen dataclass, which its protocol cannot say.
+        # Every criterion is a dataclass; a protocol cannot express that.
         (series.case, series.refinement, json.dumps({"type": type(one).__name__} | dataclasses.asdict(one)))  # type: ignore[call-overload]
         for series, criteria in declared.items()
         if series.solver == solver
@@ -29,19 +29,21 @@ def with_criteria(dataset: xr.Dataset, solver: str, declared: Mapping[SeriesId, 
 
 
 def read_criteria(solver: str, dataset: xr.Dataset) -> dict[SeriesId, tuple[Criterion, ...]]:
-    """Declared criteria of a solver's dataset by series.
+    """Return the declared criteria of a solver by series.
 
     Raises
     ------
     UsageError
-        If a criterion is unknown, or does not take the values that are stored of it.
+        If a criterion is unknown or rejects its stored values.
+    LookupError, TypeError, ValueError
+        If the stored criteria cannot be parsed.
     """
     table: dict[SeriesId, tuple[Criterion, ...]] = {}
     for case, refinement, stored in zip(*(dataset[name].values.tolist() for name in COLUMNS), strict=True):
         values = json.loads(stored)
         kind = values.pop("type")
         if kind not in CRITERIA:
-            raise UsageError(f"the criterion {kind!r} of {case!r} is unknown: choose from {', '.join(CRITERIA)}")
+            raise UsageError(f"the criterion {kind!r} of case {case!r} is unknown: choose from {', '.join(CRITERIA)}")
         criterion: Criterion = CRITERIA[kind](**{name: _frozen(value) for name, value in values.items()})
         series = SeriesId(case, solver, refinement)
         table[series] = (*table.get(series, ()), criterion)
@@ -49,5 +51,5 @@ def read_criteria(solver: str, dataset: xr.Dataset) -> dict[SeriesId, tuple[Crit
 
 
 def _frozen(value: Any) -> Any:
-    """JSON knows no tuples."""
+    """Return a JSON value with its lists turned back into tuples."""
     return tuple(_frozen(entry) for entry in value) if isinstance(value, list) else value

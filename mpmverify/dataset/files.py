@@ -1,4 +1,4 @@
-"""Files of a results folder: where they are, and whether they are ours."""
+"""Paths of the files in a results folder, and the check that mpmverify wrote a file."""
 
 import tempfile
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ SCHEMA = 4
 
 @dataclass(frozen=True)
 class Results:
-    """A results folder."""
+    """The paths in a results folder."""
 
     path: Path
 
@@ -38,16 +38,16 @@ class Results:
         return self.path / "report"
 
     def studies(self) -> list[Path]:
-        # A hidden file is what another process is writing, or what a killed one left.
+        # Hidden files are temporary: another process is writing them, or a killed one left them.
         return sorted(path for path in self.path.glob("*.nc") if not path.name.startswith("."))
 
     def create(self) -> None:
-        """Make the folder and prove that it can be written to.
+        """Create the folder and check that it is writable.
 
         Raises
         ------
         ResultsError
-            If it cannot.
+            If the folder cannot be created or written to.
         """
         try:
             (self.path / "runs").mkdir(parents=True, exist_ok=True)
@@ -59,18 +59,19 @@ class Results:
 
 
 def check_ours(path: Path, kind: str) -> dict[str, Any]:
-    """Return the root attributes of a file of ours.
+    """Check that mpmverify wrote a file of this kind, and return its global attributes.
 
     Parameters
     ----------
     path : Path
+        The file.
     kind : str
         "run", "study" or "selftest".
 
     Raises
     ------
     ResultsError
-        If the file is missing, unreadable, foreign or of another schema.
+        If the file is missing or unreadable, or was written by another program or in another schema.
     """
     try:
         with netCDF4.Dataset(path) as file:
@@ -83,5 +84,5 @@ def check_ours(path: Path, kind: str) -> dict[str, Any]:
         raise ResultsError(f"'{path}' is not an mpmverify {kind} file: move it away or choose another folder")
     schema = attributes.get("mpmverify_schema", "none")
     if str(schema) != str(SCHEMA):
-        raise ResultsError(f"'{path}' has schema {schema}, this version reads {SCHEMA}: move it away and run again")
+        raise ResultsError(f"'{path}' has schema {schema} and this version reads {SCHEMA}: move it away and run again")
     return attributes

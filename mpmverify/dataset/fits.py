@@ -1,4 +1,4 @@
-"""Fits of a solver in its dataset: by series, quantity and norm; observed orders by level."""
+"""Fits in the dataset of a solver by series, quantity and norm, and observed orders by level."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from mpmverify.judgement.judging import Judged
 
 
 def with_fits(dataset: xr.Dataset, levels: Sequence[Level], judged: Judged) -> xr.Dataset:
-    """Add the fits of each series, and the observed orders between its levels, to the dataset of a solver's levels."""
+    """Return the dataset of a solver with the fits of each series and the observed orders between its levels added."""
     rows: dict[SeriesId, list[int]] = {}
     for index, level in enumerate(levels):
         rows.setdefault(level.series, []).append(index)
@@ -64,7 +64,7 @@ def with_fits(dataset: xr.Dataset, levels: Sequence[Level], judged: Judged) -> x
 
 
 def read_orders(dataset: xr.Dataset, levels: Sequence[Level]) -> dict[tuple[SeriesId, str], tuple[float, float, float]]:
-    """Fitted order with its interval by (series, "quantity norm"), where a line was fitted."""
+    """Return (order, low, high) of each fit by (series, "quantity norm"); series without a fit are omitted."""
     series = list(dict.fromkeys(level.series for level in levels))
     fits = np.stack([dataset[name].values for name in ("order", "order_low", "order_high")], axis=-1)
     names = [f"{quantity} {norm}" for quantity in dataset["quantity"].values.tolist() for norm in NORMS]

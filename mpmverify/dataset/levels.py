@@ -1,4 +1,4 @@
-"""Levels of a solver in its dataset: sizes, errors, metrics and work, one row a run."""
+"""Levels in the dataset of a solver: sizes, errors, metrics and work, one row for each run."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,7 +14,7 @@ from mpmverify.problem.quantities import UNITS
 
 
 def level_table(levels: Sequence[Level]) -> xr.Dataset:
-    """Dataset of the levels of one solver, in their order."""
+    """Return the dataset of the levels of one solver, in the order given."""
     quantities = list(dict.fromkeys(quantity for level in levels for quantity in level.errors))
     metrics = sorted({name for level in levels for name in level.metrics})
     absent = np.full(len(NORMS), np.nan)
@@ -81,12 +81,12 @@ def level_table(levels: Sequence[Level]) -> xr.Dataset:
 
 
 def read_levels(solver: str, dataset: xr.Dataset) -> list[Level]:
-    """Levels of a solver's dataset; a level has the quantities and metrics that were measured on it.
+    """Return the levels of a solver, each with the quantities and metrics that were measured on it.
 
     Raises
     ------
     LookupError, ValueError
-        If the dataset lacks a column, or one does not hold what a judge may take for granted.
+        If a variable is missing, or has the wrong type, shape or range.
     """
     count = dataset.sizes["level"]
 
@@ -97,11 +97,11 @@ def read_levels(solver: str, dataset: xr.Dataset) -> list[Level]:
         return values
 
     sizes = {name: numbers(name) for name in ("h", "dt", "courant", "ppc")}
-    # The time step of a run that never began is not known.
+    # dt is NaN for a run that did not start.
     if not all(
         np.all((values > 0) & (values < np.inf) | (np.isnan(values) & (name == "dt"))) for name, values in sizes.items()
     ):
-        raise ValueError("a level has no size")
+        raise ValueError("a size of a level is not positive and finite")
     quantities, metrics = (dataset[name].values.tolist() for name in ("quantity", "metric_name"))
     exact = {quantity: numbers(f"exact_norm_{quantity}", len(NORMS)) for quantity in quantities}
     error = {quantity: numbers(f"error_absolute_{quantity}", len(NORMS)) for quantity in quantities}

@@ -1,4 +1,4 @@
-"""Where a result comes from: commit, versions, platform, time."""
+"""Provenance of a result: commit, versions, platform and time."""
 
 import platform
 import subprocess
@@ -13,7 +13,7 @@ from mpmverify.dataset.files import SCHEMA
 
 @cache
 def commit() -> tuple[str, str]:
-    """Return (commit, "clean" or "dirty") of the checkout that the package runs from; ("none", "installed") outside one."""
+    """Return the commit of the checkout that contains the package and "clean" or "dirty"; else ("none", "installed")."""
     root = Path(mpmverify.__file__).parent.parent
 
     def git(*arguments: str) -> str:
@@ -30,13 +30,13 @@ def commit() -> tuple[str, str]:
 
 @cache
 def versions() -> str:
-    """Versions of Python and of the libraries that make and store the numbers."""
+    """Return the versions of Python and of the libraries that compute and store the results."""
     table = library_versions() | {name: metadata.version(name) for name in ("xarray", "netCDF4")}
     return ", ".join(f"{name} {version}" for name, version in table.items())
 
 
 def attributes(kind: str, title: str, summary: str) -> dict[str, str | int]:
-    """Global attributes of a file: CF-1.11, ACDD-1.3 and provenance."""
+    """Return the global attributes of a file by CF-1.11 and ACDD-1.3, with its provenance."""
     revision, state = commit()
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     return {
@@ -65,7 +65,7 @@ NUMERICAL_LIBRARIES = ("numpy", "scipy", "numba", "scikit-fem")
 
 @cache
 def library_versions() -> dict[str, str]:
-    """Versions that can change a result, by name."""
+    """Return the versions of Python, of the numerical libraries and the machine type, which can change a result."""
     return {"python": platform.python_version(), "machine": platform.machine()} | {
         name: metadata.version(name) for name in NUMERICAL_LIBRARIES
     }

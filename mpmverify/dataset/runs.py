@@ -1,4 +1,4 @@
-"""One finished run as one netCDF file."""
+"""Reading and writing of a finished run as one netCDF file."""
 
 from pathlib import Path
 
@@ -15,21 +15,23 @@ from mpmverify.solution import Outcome, Solution, Status, Work
 
 
 def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
-    """Write a solution; see `Solution` for what each variable holds. A foreign file at `path` is never overwritten.
+    """Write a solution; the variables have the meanings given in `Solution`.
 
     Parameters
     ----------
     path : Path
+        File to write. A file that is not an mpmverify run is never overwritten.
     key : str
-        Content key of the run, by which it is read back.
+        Content key of the run.
     solution : Solution
+        The solution.
     title : str
-        For people.
+        Attribute `title` of the file.
 
     Raises
     ------
     ResultsError
-        If a file that is not ours stands there, or it cannot be written.
+        If `path` is not an mpmverify run, or the file cannot be written.
     """
     if path.exists():
         check_ours(path, "run")
@@ -58,7 +60,7 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
             for name, size in sizes.items():
                 file.createDimension(name, size)
 
-            # Values are written when all is declared: the library takes longer where the two take turns.
+            # All variables are declared before the first value is written, because alternating is slower in netCDF4.
             pending: list[tuple[netCDF4.Variable, Array]] = []
 
             def put(name: str, dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> None:
@@ -84,22 +86,23 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
 
 
 def read_run(path: Path, key: str) -> Solution:
-    """Read a solution back.
+    """Read a solution.
 
     Parameters
     ----------
     path : Path
+        File of the run.
     key : str
         Content key that the run must have.
 
     Raises
     ------
     ResultsError
-        If the file is missing, unreadable, foreign, or belongs to another key.
+        If the file is missing, unreadable, damaged, not an mpmverify run, or a run with another key.
     """
     attributes = check_ours(path, "run")
     if attributes.get("id") != key:
-        raise ResultsError(f"'{path}' holds the run {attributes.get('id')}: delete it")
+        raise ResultsError(f"'{path}' contains another run, {attributes.get('id')}: delete it")
     try:
         with netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
@@ -116,4 +119,4 @@ def read_run(path: Path, key: str) -> Solution:
             outcome=Outcome(Status(attributes["status"]), str(attributes["detail"])),
         )
     except (OSError, RuntimeError, KeyError, ValueError) as error:
-        raise ResultsError(f"'{path}' is damaged: delete it, and it will be solved again") from error
+        raise ResultsError(f"'{path}' is damaged: delete it and run again") from error

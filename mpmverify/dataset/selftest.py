@@ -1,11 +1,11 @@
-"""The self-test as one DataTree: what became of every planted fault, and of every run of the unmodified solvers.
+"""The result of a self-test as one DataTree: the outcome of each planted fault and of each run of the unmodified solvers.
 
 Layout
 ------
-/          how many faults the rules made, provenance
-/faults    one row a fault: rule, place, what stood there and stands there now, its fate and what killed it
-/runs      one row an unmodified run: processes, threads, seed, and its worst verdict
-/series, /designs, /limits  one row a kind of random series: how many were judged rightly, wrongly and not at all
+/          number of faults that the rules made, provenance
+/faults    one row per fault: rule, place, original and faulty source, outcome and the criterion that detected it
+/runs      one row per unmodified run: processes, threads, seed and worst verdict
+/series, /designs, /limits  one row per kind of random series: numbers of right, wrong and missing verdicts
 """
 
 import dataclasses
@@ -32,7 +32,13 @@ WORDS = {"deviation": "largest relative deviation from the results of the origin
 
 
 def write_selftest(path: Path, test: SelfTest) -> None:
-    """Write a self-test whole; a foreign file at `path` is never overwritten."""
+    """Write the result of a self-test.
+
+    Raises
+    ------
+    ResultsError
+        If `path` exists and is not an mpmverify self-test, or the file cannot be written.
+    """
     if path.exists():
         check_ours(path, "selftest")
     attributes = provenance.attributes(
@@ -58,12 +64,12 @@ def _columns(dimension: str, rows: Sequence[Any]) -> xr.Dataset:
 
 
 def read_selftest(path: Path) -> SelfTest:
-    """Read a self-test.
+    """Read the result of a self-test.
 
     Raises
     ------
     ResultsError
-        If the file is missing, unreadable, foreign or damaged.
+        If the file is missing, unreadable, damaged or not an mpmverify self-test.
     """
     attributes = check_ours(path, "selftest")
     try:

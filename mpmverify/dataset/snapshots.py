@@ -1,4 +1,4 @@
-"""Fields and histories of one run of each series, which the pages show: contiguous ragged arrays."""
+"""Fields and histories of one run of each series, for the report, as contiguous ragged arrays."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,27 +12,27 @@ from mpmverify.problem import Array
 from mpmverify.problem.quantities import UNITS, components, history_units
 
 DIMENSIONS = {1: "", 2: "_2d", 3: "_3d"}
-"""Suffix of the groups that hold the runs of each dimension: their components and units differ."""
+"""Suffix of the groups by dimension of the runs, whose components and units differ."""
 
 
 @dataclass(frozen=True)
 class Snapshots:
-    """Fields and histories of one run: T times, P points, N samples of the histories.
+    """Fields and histories of one run, with T output times, P points and N samples of the histories.
 
     Parameters
     ----------
     case, refinement : str
-        Series that the run belongs to.
+        Series of the run.
     h : float
         Cell size [m].
     time : Array
         Output times (T,) [s].
     reference, position : Array
-        Sample points (P, dim) and (T, P, dim) [m].
+        Sample points, (P, dim) and (T, P, dim) [m].
     fields, exact : mapping of str to Array
         Numerical and exact fields (T, P, components) by quantity.
     histories : mapping of str to Array
-        (N,) by name.
+        Histories (N,) by name.
     """
 
     case: str
@@ -47,12 +47,12 @@ class Snapshots:
 
 
 def snapshot_groups(shots: Sequence[Snapshots]) -> dict[str, xr.Dataset]:
-    """Groups of a solver by name: "snapshots", "histories_2d" and so on."""
+    """Return the datasets of a solver's snapshots and histories by group name: "snapshots", "histories_2d" and so on."""
     groups = {}
     for dimension, suffix in DIMENSIONS.items():
-        if alike := [shot for shot in shots if shot.reference.shape[1] == dimension]:
-            groups[f"snapshots{suffix}"] = _profiles(alike, dimension)
-            groups[f"histories{suffix}"] = _histories(alike, dimension)
+        if selected := [shot for shot in shots if shot.reference.shape[1] == dimension]:
+            groups[f"snapshots{suffix}"] = _profiles(selected, dimension)
+            groups[f"histories{suffix}"] = _histories(selected, dimension)
     return groups
 
 
@@ -104,7 +104,7 @@ def _histories(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
         variables[f"history_{name}"] = ("obs", np.concatenate(columns), attributes)
     return xr.Dataset(
         variables,
-        # Not "series", which a solver's fits are of: those of its series that left no run to show have no histories.
+        # The dimension is not "series", the dimension of the fits: a series without a run to show has fits but no histories.
         coords={
             "case": ("shown", text([shot.case for shot in shots])),
             "refinement": ("shown", text([shot.refinement for shot in shots])),

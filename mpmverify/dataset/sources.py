@@ -1,4 +1,4 @@
-"""The sources of error that criteria tell apart, in the dataset of a solver: one row a criterion."""
+"""Separated sources of error in the dataset of a solver, one row for each criterion that separates them."""
 
 import numpy as np
 import xarray as xr
@@ -19,7 +19,7 @@ MEANING = {
 
 
 def with_sources(dataset: xr.Dataset, solver: str, judged: Judged) -> xr.Dataset:
-    """Add the sources of error that criteria separate, if any, to a solver's dataset; sources out of question are NaN."""
+    """Return the dataset of a solver with its separated sources of error added; sources that a criterion does not model are NaN."""
     rows = [
         (series, criterion, separation)
         for series, separations in judged.separations.items()
@@ -64,5 +64,5 @@ def with_sources(dataset: xr.Dataset, solver: str, judged: Judged) -> xr.Dataset
 
 
 def source_of(row: dict[str, float], size: str) -> Source | None:
-    """Source from its row by name of `MEANING`; None when it is out of question."""
+    """Return the source of a row, by the names of `MEANING`; None if the criterion does not model it."""
     return None if np.isnan(row["share"]) else Source(size, **row)

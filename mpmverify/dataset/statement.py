@@ -1,4 +1,4 @@
-"""The statement of a problem in a few words: what a reader needs beside its equations."""
+"""Short description of a problem for the report: domain, material, final time and boundary conditions."""
 
 import dataclasses
 import re
@@ -14,13 +14,13 @@ SYMBOLS = {
 }
 """Symbol and unit of the parameters of a material."""
 NAMES = {"NeoHookean": "neo-Hookean"}
-"""Names of classes that are not their words in lower case."""
-DATUM: dict[type[BoundaryCondition], str] = {Traction: "Pa", Velocity: "m/s"}
-"""Unit of what a condition prescribes."""
+"""Displayed names of classes, where they are not the class name in lower case."""
+PRESCRIBED_UNITS: dict[type[BoundaryCondition], str] = {Traction: "Pa", Velocity: "m/s"}
+"""Unit of the value that a boundary condition prescribes."""
 
 
 def statement(problem: Problem) -> dict[str, str]:
-    """Domain, material, final time, boundary conditions and the body that does not fill its domain, by name."""
+    """Return the domain, material, wave speed, final time, body (if it does not fill the domain) and boundary conditions by name."""
     facts = {
         "domain": " x ".join(f"[{lo:g}, {hi:g}] m" for lo, hi in zip(problem.lower, problem.upper, strict=True)),
         "material": _value(problem.material),
@@ -32,23 +32,23 @@ def statement(problem: Problem) -> dict[str, str]:
 
 
 def _along(face: str) -> tuple[str, bool]:
-    """Order of the faces: "x-", "x+", "y-", ..."""
+    """Sort key for the faces: "x-", "x+", "y-", ..."""
     return face[:-1], face.endswith("+")
 
 
 def _condition(condition: BoundaryCondition) -> str:
     """Return "periodic", "velocity 0 m/s" or "traction [Pa]: ramp load, amplitude = 1e-06, duration = 0.3"."""
-    datum = getattr(condition, "value", None)
-    if datum is None:
+    prescribed = getattr(condition, "value", None)
+    if prescribed is None:
         return _value(condition)
-    unit = DATUM.get(type(condition), "")
-    if isinstance(datum, Constant):
-        return f"{_name(condition)} {_number(datum.value)} {unit}".rstrip()
-    return f"{_name(condition)}{f' [{unit}]' if unit else ''}: {_value(datum)}"
+    unit = PRESCRIBED_UNITS.get(type(condition), "")
+    if isinstance(prescribed, Constant):
+        return f"{_name(condition)} {_number(prescribed.value)} {unit}".rstrip()
+    return f"{_name(condition)}{f' [{unit}]' if unit else ''}: {_value(prescribed)}"
 
 
 def _value(value: Any) -> str:
-    """Name of a value with its parameters; of what is no dataclass the name alone."""
+    """Return the name of a value and, if it is a dataclass, its parameters."""
     parts = [_name(value)]
     for field in dataclasses.fields(value) if dataclasses.is_dataclass(value) else ():
         symbol, unit = SYMBOLS.get(field.name, (field.name.replace("_", " "), ""))
@@ -62,5 +62,5 @@ def _name(value: Any) -> str:
 
 
 def _number(value: Any) -> str:
-    """Four digits of a float, without the sign of a zero; anything else as it prints."""
+    """Return a float with four digits and without the sign of zero; anything else as `str` gives it."""
     return f"{value + 0.0:.4g}" if isinstance(value, float) else str(value)

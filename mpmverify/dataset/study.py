@@ -1,13 +1,13 @@
-"""One study as one DataTree: levels, errors, fits and verdicts by solver, with the profiles that the pages show.
+"""The file of a study, one DataTree: levels, errors, fits and verdicts by solver, and the fields that the report shows.
 
 Layout
 ------
 /                    case metadata, provenance
 /<solver>            error(level, quantity, norm), absolute errors and exact norms by quantity, fits by series, verdicts by criterion
-/<solver>/snapshots  fields of one level of each series: contiguous ragged arrays, one row an output time, one variable a component
-/<solver>/histories  energy, momentum, mass and impulse of the same runs: contiguous ragged arrays, one row a series
+/<solver>/snapshots  fields of one level of each series: contiguous ragged arrays, one row per output time, one variable per component
+/<solver>/histories  energy, momentum, mass and impulse of the same runs: contiguous ragged arrays, one row per series
 
-Runs in two and three dimensions have components and units of their own: theirs are `snapshots_2d`, `histories_3d` and so on.
+Runs in two and three dimensions have other components and units; their groups are `snapshots_2d`, `histories_3d` and so on.
 """
 
 import dataclasses
@@ -49,26 +49,29 @@ def write_study(
     tier: str,
     inputs: str,
 ) -> None:
-    """Write a judged study whole.
+    """Write the file of a judged study.
 
     Parameters
     ----------
     path : Path
+        File to write. A file that is not an mpmverify study is never overwritten.
     study : Study
+        Declaration of the study.
     levels : sequence of Level
-        What is kept of every run.
+        Errors, metrics and work of every run.
     snapshots : mapping of SeriesId to Snapshots
-        Runs whose fields and histories the pages show.
+        Runs whose fields and histories the report shows.
     judged : Judged
+        Findings, fits and separations of the study.
     tier : str
         "quick" or "full".
     inputs : str
-        Digest of everything that the file depends on; "" where it is to be made again next time.
+        Digest of everything that the file depends on; "" if the file must be written again at the next run.
 
     Raises
     ------
     ResultsError
-        If a file that is not ours stands at `path`, which is never overwritten, or the file cannot be written.
+        If `path` is not an mpmverify study, or the file cannot be written.
     """
     if path.exists():
         check_ours(path, "study")
@@ -79,7 +82,7 @@ def write_study(
 def study_tree(
     study: Study, levels: Sequence[Level], snapshots: Mapping[SeriesId, Snapshots], judged: Judged, *, tier: str, inputs: str
 ) -> xr.DataTree:
-    """Tree of a judged study; parameters as of `write_study`."""
+    """Return the tree of a judged study; for the parameters see `write_study`."""
     root = _root(study, tier, inputs, sorted({level.seed for level in levels if level.jitter}))
     groups = {"/": root.assign_attrs(lacking_attribute(judged.missing_series))}
     for name, solver in study.solvers().items():
@@ -111,7 +114,7 @@ def _root(study: Study, tier: str, inputs: str, seeds: Sequence[int]) -> xr.Data
             "setup": each(lambda case: json.dumps(statement(case.problem.problem), ensure_ascii=False)),
             "shown": each(lambda case: case.shown),
         },
-        # Not "case", which the solvers' groups have by level: a group inherits the dimensions of its parent.
+        # Groups inherit coordinates from their parent, and the solvers' groups have a coordinate "case" by level.
         coords={"study_case": each(lambda case: case.name)},
         attrs=provenance.attributes("study", study.title, study.summary)
         | {
@@ -126,16 +129,18 @@ def _root(study: Study, tier: str, inputs: str, seeds: Sequence[int]) -> xr.Data
 
 @dataclass(frozen=True)
 class StoredStudy:
-    """What a study's file holds for a judge.
+    """The part of a study's file that is needed to judge it.
 
     Parameters
     ----------
     name : str
+        Name of the study.
     attributes : mapping
-        Attributes of the file: provenance, tier, restriction.
+        Global attributes of the file: provenance, tier, restriction.
     levels : tuple of Level
-        Solver by solver.
+        Levels of all solvers, grouped by solver.
     declared : mapping of SeriesId to tuple of Criterion
+        Declared criteria of every series.
     """
 
     name: str
@@ -145,17 +150,19 @@ class StoredStudy:
 
 
 def read_study(path: Path) -> StoredStudy:
-    """Read a study's file.
+    """Read the levels and declared criteria of a study's file.
 
     Raises
     ------
     ResultsError
-        If the file is missing, unreadable, foreign, damaged or that of another study than its name says.
+        If the file is missing, unreadable, damaged, not an mpmverify study, or a study with another name than the file.
+    UsageError
+        If a declared criterion is unknown.
     """
     tree = read_tree(path)
     levels: list[Level] = []
     declared: dict[SeriesId, tuple[Criterion, ...]] = {}
-    with damage(path):
+    with parsing(path):
         for solver, dataset in solvers(tree):
             levels += read_levels(solver, dataset)
             declared |= read_criteria(solver, dataset)
@@ -163,22 +170,22 @@ def read_study(path: Path) -> StoredStudy:
 
 
 def solvers(tree: xr.DataTree) -> Iterator[tuple[str, xr.Dataset]]:
-    """Dataset of each solver in a study's tree, by its name."""
+    """Yield the name and the dataset of each solver in a study's tree."""
     for name, node in tree.children.items():
         yield name, node.to_dataset(inherit=False)
 
 
 def read_tree(path: Path) -> xr.DataTree:
-    """Read a study's file into memory as it lies.
+    """Read a study's file into memory as a tree.
 
     Raises
     ------
     ResultsError
-        If the file is missing, unreadable, foreign, damaged or that of another study than its name says.
+        If the file is missing, unreadable, damaged, not an mpmverify study, or a study with another name than the file.
     """
     study = check_ours(path, "study").get("id")
     if study != path.stem:
-        raise ResultsError(f"'{path}' holds the study {study!r}: rename it to '{study}.nc', or move it away")
+        raise ResultsError(f"'{path}' contains the study {study!r}: rename it to '{study}.nc', or move it away")
     try:
         with xr.open_datatree(path, engine="netcdf4") as tree:
             return tree.load()
@@ -187,8 +194,8 @@ def read_tree(path: Path) -> xr.DataTree:
 
 
 @contextmanager
-def damage(path: Path) -> Iterator[None]:
-    """Name the file whose content cannot be understood. Wrap the parsing only: its errors mean a damaged file."""
+def parsing(path: Path) -> Iterator[None]:
+    """Turn errors in the block into a `ResultsError` that names the file as damaged; the block must only parse its content."""
     try:
         yield
     except MpmverifyError:

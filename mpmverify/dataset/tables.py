@@ -1,4 +1,4 @@
-"""A results folder read as flat tables, from the files of its studies."""
+"""Files of several studies read into flat tables, for the comparison of two sets of results."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,7 +11,7 @@ from mpmverify.criteria.norms import NORMS
 from mpmverify.dataset.findings import read_findings
 from mpmverify.dataset.fits import read_orders
 from mpmverify.dataset.levels import read_levels
-from mpmverify.dataset.study import damage, read_tree, solvers
+from mpmverify.dataset.study import parsing, read_tree, solvers
 from mpmverify.judgement.baseline import norms_by_level
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.tables import PROVENANCE, Order, Run, SeriesKey, Tables
@@ -23,12 +23,12 @@ def read_tables(paths: Sequence[Path]) -> Tables:
     Raises
     ------
     ResultsError
-        If a file is missing, unreadable, foreign, of another schema or damaged.
+        If a file is missing, unreadable, damaged, not an mpmverify study or of another schema.
     """
     tables = Tables({}, {}, {}, {}, {})
     for path in paths:
         tree = read_tree(path)
-        with damage(path):
+        with parsing(path):
             part = _tables(tree)
         tables = Tables(
             {**tables.provenance, **part.provenance},
@@ -41,7 +41,7 @@ def read_tables(paths: Sequence[Path]) -> Tables:
 
 
 def _tables(tree: xr.DataTree) -> Tables:
-    """Tables of one study."""
+    """Return the tables of one study."""
     study = tree.attrs["id"]
     runs: dict[tuple[SeriesKey, str], Run] = {}
     errors: dict[tuple[SeriesKey, str, str], tuple[float, float]] = {}
@@ -52,7 +52,8 @@ def _tables(tree: xr.DataTree) -> Tables:
         names: dict[SeriesId, set[str]] = {}
         for level in levels:
             series = SeriesKey(study, *level.series)
-            seen = evidence_of([level])  # alone: what one level lacks is no evidence of its series
+            # Each level alone: the evidence of a series omits what one of its levels lacks.
+            seen = evidence_of([level])
             ((name, values),) = norms_by_level(seen)
             names.setdefault(level.series, set()).add(name)
             runs[series, name] = Run(level.outcome, level.steps, level.point_steps, level.seconds)
@@ -63,7 +64,7 @@ def _tables(tree: xr.DataTree) -> Tables:
             orders[SeriesKey(study, *identity), measure] = Order(*fit, frozenset(names[identity]))
         findings += read_findings(study, solver, dataset)
     verdicts: dict[tuple[SeriesKey, str], Verdict] = {}
-    # The finding on what is lacking is of no run here: what was not run is lost, and no worse.
+    # The finding on missing baseline entries is left out: a comparison reports what was not run as lost.
     for f in findings:
         judged = SeriesKey(study, f.case, f.solver, f.refinement), f"{f.gate}: {f.criterion}"
         verdicts[judged] = worst((f.verdict, verdicts.get(judged, f.verdict)))

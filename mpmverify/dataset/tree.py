@@ -1,10 +1,10 @@
-"""A DataTree as a netCDF file that any reader may open at any time, and as often as it likes.
+"""Writing of a DataTree to a netCDF file.
 
 Notes
 -----
-Texts are arrays of characters: a process that has a file with variable-length strings open twice is killed by the netCDF library
-(Unidata/netcdf4-python#1444, pydata/xarray#9093). Everything is declared before the first value is written: xarray's own writer
-takes turns, and needs ten times as long for a tree of fifty groups.
+Texts are stored as arrays of characters, because the netCDF library kills a process that has a file with variable-length strings open
+twice (Unidata/netcdf4-python#1444, pydata/xarray#9093). All variables are declared before the first value is written; xarray's own
+writer alternates and takes ten times as long for a tree of fifty groups.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ import xarray as xr
 
 
 def write_tree(path: Path, tree: xr.DataTree) -> None:
-    """Write a tree; `xarray.open_datatree` gives it back, coordinates and texts included."""
+    """Write a tree, which `xarray.open_datatree` reads back with its coordinates, texts and attributes."""
     with netCDF4.Dataset(path, "w") as file:
         pending: list[tuple[netCDF4.Variable, np.ndarray]] = []
         for node in tree.subtree:
@@ -27,7 +27,7 @@ def write_tree(path: Path, tree: xr.DataTree) -> None:
 
 
 def _declare(group: netCDF4.Dataset, dataset: xr.Dataset) -> list[tuple[netCDF4.Variable, np.ndarray]]:
-    """Declare the dimensions, variables and attributes of one group; return what is to be written where."""
+    """Declare the dimensions, variables and attributes of one group, and return the variables with the values to write."""
     for name, size in dataset.sizes.items():
         group.createDimension(str(name), size)
     auxiliary = {str(name) for name in dataset.coords} - {str(name) for name in dataset.sizes}
@@ -63,5 +63,5 @@ def _variable(group: netCDF4.Dataset, name: str, values: xr.Variable) -> tuple[n
 
 
 def text(values: Sequence[str]) -> np.ndarray:
-    """Return texts as an array (n,) that a dataset takes, an empty one included."""
+    """Return texts as an array (n,) that xarray accepts also if it is empty."""
     return np.array(list(values), dtype=object if len(values) else "U1")

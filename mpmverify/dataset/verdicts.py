@@ -1,4 +1,4 @@
-"""`verdicts.json`: every finding of a results folder, machine-readable."""
+"""The file `verdicts.json` with all findings of a results folder."""
 
 import json
 from collections.abc import Sequence
@@ -13,15 +13,16 @@ from mpmverify.judgement.findings import Finding
 
 @dataclass(frozen=True)
 class StoredVerdicts:
-    """Findings of one study, and what its file was made from.
+    """Findings of one study, and the inputs of its file.
 
     Parameters
     ----------
     findings : tuple of Finding
+        The findings.
     inputs : str
-        Digest of everything that the file depends on.
+        Digest of everything that the study's file depends on.
     stamp : tuple of int
-        Size and time of the file when the findings were written.
+        Size [bytes] and modification time [ns] of the study's file when the findings were written.
     """
 
     findings: tuple[Finding, ...]
@@ -29,19 +30,19 @@ class StoredVerdicts:
     stamp: tuple[int, ...]
 
     def made_from(self, inputs: str, path: Path) -> bool:
-        """Whether these findings and the study's file at `path` were made from the same inputs.
+        """Whether these findings and the study's file at `path` were both made from these inputs.
 
         Raises
         ------
         ResultsError
-            If the file is foreign: one that has changed since is opened.
+            If the file has changed since the findings were written and is not an mpmverify study.
         """
         stored = self.inputs if self.stamp == _stamp(path) else check_ours(path, "study").get("inputs", "")
         return bool(stored == inputs == self.inputs)
 
 
 def read_verdicts(results: Results) -> dict[str, StoredVerdicts]:
-    """Stored findings by study; empty when there are none yet.
+    """Return the stored findings by study; empty if there is no file.
 
     Raises
     ------
@@ -63,7 +64,7 @@ def read_verdicts(results: Results) -> dict[str, StoredVerdicts]:
 
 
 def write_verdicts(results: Results, study: str, inputs: str, findings: Sequence[Finding]) -> None:
-    """Replace the findings of one study, whose file is written; those of studies without a file are dropped.
+    """Replace the findings of one study, after its file was written, and drop those of studies without a file.
 
     Raises
     ------

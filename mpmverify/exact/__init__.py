@@ -1,7 +1,7 @@
-"""The catalogue: one module for each verification problem, with its closed forms as pure functions of (X, t).
+"""Catalogue of verification problems: one module for each, with its closed forms as pure functions of (X, t).
 
-Here belong exact and manufactured solutions, dispersion relations and stability limits of schemes, each with its source. Error
-norms and criteria do not: a closed form does not know what is demanded of a solver.
+Exact and manufactured solutions, dispersion relations and stability limits of schemes belong here, each with its source. Error norms
+and criteria do not.
 """
 
 from mpmverify.exact.solution import ExactSolution, VerificationProblem

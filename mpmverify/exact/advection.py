@@ -1,4 +1,4 @@
-"""Transport of a scalar at a constant velocity: the initial profile, carried unchanged."""
+"""Linear advection of a scalar: the initial profile moves without change at a constant velocity."""
 
 import math
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ CITATION = (
 
 
 class Profile(Protocol):
-    """Initial value of the scalar, elementwise in the position [m]; `derivatives` counts the derivatives that it has in L1."""
+    """Initial value of the scalar, elementwise in the position [m]; `derivatives` is the number of its derivatives in L1."""
 
     @property
     def name(self) -> str: ...
@@ -30,7 +30,7 @@ class Profile(Protocol):
 
 @dataclass(frozen=True)
 class CosineHill:
-    """(1 + cos(pi (x - x0)/w))/2 on |x - x0| < w, whose second derivative jumps; centre x0 [m], width w [m]."""
+    """Cosine hill (1 + cos(pi (x - x0)/w))/2 on |x - x0| < w, whose second derivative jumps; centre x0 [m], width w [m]."""
 
     centre: float = 0.5
     width: float = 0.25
@@ -45,7 +45,7 @@ class CosineHill:
 
 @dataclass(frozen=True)
 class Gaussian:
-    """exp(-((x - x0)/w)^2); centre x0 [m], width w [m]."""
+    """Gaussian exp(-((x - x0)/w)^2); centre x0 [m], width w [m]."""
 
     centre: float = 0.5
     width: float = 0.1
@@ -59,14 +59,14 @@ class Gaussian:
 
 @dataclass(frozen=True)
 class Step:
-    """A jump, at which the value is the mean of both sides.
+    """A jump; at the jump the value is the mean of both sides.
 
     Parameters
     ----------
     centre : float
-        x0 [m].
+        Position x0 of the jump [m].
     left, right : float
-        Values before and behind it [1].
+        Values at x < x0 and at x > x0 [1].
     """
 
     centre: float = 0.25
@@ -82,7 +82,7 @@ class Step:
 
 @dataclass(frozen=True)
 class FourierMode:
-    """cos(2 pi m x), with the integer `mode` m: an eigenfunction of every linear scheme on a uniform periodic grid."""
+    """cos(2 pi m x) with the integer `mode` m, an eigenfunction of every linear scheme on a uniform periodic grid."""
 
     mode: int = 1
     derivatives: ClassVar[float] = math.inf
@@ -98,27 +98,27 @@ class FourierMode:
 
 @dataclass(frozen=True)
 class PeriodicImages:
-    """A profile summed over its periodic images, so that a Gaussian stays smooth where the domain closes.
+    """Sum of a profile over its periodic images, so that a Gaussian is smooth across the ends of the domain.
 
     Parameters
     ----------
     profile : CosineHill or Gaussian
-        Centred in the first period and negligible farther than two from it.
+        Profile with its centre in [0, L] that is below 1e-15 at -2 L and 3 L.
     period : float
         L [m].
 
     Raises
     ------
     UsageError
-        If the profile does not fit.
+        If the centre lies outside the period, or the profile is too wide.
     """
 
     profile: CosineHill | Gaussian
     period: float = 1.0
 
     def __post_init__(self) -> None:
-        reaches = np.any(self.profile(self.period * np.array([-2.0, 3.0])) > 1e-15)
-        if reaches or not 0 <= self.profile.centre <= self.period:
+        too_wide = np.any(self.profile(self.period * np.array([-2.0, 3.0])) > 1e-15)
+        if too_wide or not 0 <= self.profile.centre <= self.period:
             raise UsageError(f"{self.profile!r} does not fit a period of {self.period!r}: centre it inside or narrow it")
 
     def __call__(self, x: Array) -> Array:
@@ -128,7 +128,7 @@ class PeriodicImages:
 
 @dataclass(frozen=True)
 class Translated:
-    """u0(x - a t): positions (P, 1) [m], times (T,) [s] -> (T, P, 1)."""
+    """Advected profile u0(x - a t): positions (P, 1) [m], times (T,) [s] -> (T, P, 1)."""
 
     profile: Profile | PeriodicImages
     velocity: float
@@ -138,21 +138,21 @@ class Translated:
 
 
 def advection(profile: Profile | None = None, *, velocity: float = 1.0, end_time: float | None = None) -> VerificationProblem:
-    """Advection on [0, 1]: a step flows in and out, every other profile is periodic.
+    """Advection on [0, 1], with inflow and outflow for a step and periodic for any other profile.
 
     Parameters
     ----------
     profile : CosineHill, Gaussian, FourierMode or Step, optional
-        u0; the cosine hill by default.
+        Initial profile u0; the cosine hill by default.
     velocity : float
         a [m/s].
     end_time : float, optional
-        [s]; by default one period, or for a step half of it.
+        Final time [s]; by default one period 1/|a|, for a step half of it.
 
     Raises
     ------
     UsageError
-        If the velocity is zero.
+        If the velocity is zero, or the profile does not fit the period.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Discrete exact solutions: what a scheme does to a Fourier mode in one step."""
+"""Amplification factors: the complex number by which one step of a scheme multiplies a Fourier mode."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +14,15 @@ def two_step_taylor_galerkin(theta: Array, courant: float, passes: int) -> NDArr
     theta : Array
         Phase angles k h (n,) [rad].
     courant : float
-        nu_C = a dt/h, with its sign.
+        Signed Courant number nu_C = a dt/h.
     passes : int
-        Passes of the mass iteration; 1 is the lumped mass.
+        Passes k of the mass iteration; 1 is the lumped mass.
 
     Returns
     -------
     Array of complex
-        G = 1 - [i nu_C sin(theta) + nu_C^2 (1 - cos(theta))]/m with m = 1 - (1 - cos(theta))/3 for the consistent mass, whose
-        inverse k passes replace by [1 - (1 - m)^k]/m.
+        G = 1 - [i nu_C sin(theta) + nu_C^2 (1 - cos(theta))] r (n,). The consistent mass has the symbol
+        m = 1 - (1 - cos(theta))/3; k passes approximate its inverse by r = [1 - (1 - m)^k]/m.
 
     References
     ----------

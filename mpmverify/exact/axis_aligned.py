@@ -1,4 +1,4 @@
-"""Manufactured motion of a neo-Hookean box along its axes, in two and three dimensions."""
+"""Manufactured axis-aligned displacement of a neo-Hookean square or cube."""
 
 import math
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.exact.motion import FieldOf, deformed, fields_of, pushed
+from mpmverify.exact.motion import FieldOf, fields_of, initial_deformation, initial_velocity
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Constant, NeoHookean, Problem, Velocity
 
@@ -25,9 +25,9 @@ class AxisAligned:
     amplitude : float
         A [m].
     material : NeoHookean
-        Its E and rho set the time scale c = sqrt(E/rho), whatever Poisson's ratio is.
+        Material; c = sqrt(E/rho) for any Poisson's ratio.
     dimension : int
-        The phases phi_i = 2 pi i/dimension, i = 0, 1, ..., are spread evenly.
+        Number of axes; the phases are phi_i = 2 pi i/dimension, i = 0, 1, ...
     """
 
     amplitude: float
@@ -40,7 +40,7 @@ class AxisAligned:
         return math.pi * math.sqrt(self.material.youngs_modulus / self.material.density)
 
     def phases(self, t: Array) -> Array:
-        """Phases c pi t + phi_i (T, 1, dim) [rad]."""
+        """Return the phases c pi t + phi_i (T, 1, dim) [rad]."""
         return self.frequency * t[:, None, None] + 2 * np.pi * np.arange(self.dimension) / self.dimension
 
     def displacement(self, X: Array, t: Array) -> Array:
@@ -50,14 +50,14 @@ class AxisAligned:
         return self.amplitude * self.frequency * np.sin(np.pi * X[None]) * np.cos(self.phases(t))
 
     def elongation(self, X: Array, t: Array) -> Array:
-        """Elongation F_ii - 1 = pi A cos(pi X_i) sin(c pi t + phi_i) along each axis (T, P, dim) [1]."""
+        """Return the elongation F_ii - 1 = pi A cos(pi X_i) sin(c pi t + phi_i) along each axis (T, P, dim) [1]."""
         return np.pi * self.amplitude * np.cos(np.pi * X[None]) * np.sin(self.phases(t))
 
     def gradient(self, X: Array, t: Array) -> Array:
         return self.elongation(X, t)[..., None] * np.eye(self.dimension)
 
     def force(self, X: Array, t: Array) -> Array:
-        """Body force b_i = pi^2 u_i [mu/rho - c^2 - (lambda (ln J - 1) - mu)/(rho F_ii^2)] (T, P, dim) [m/s^2]."""
+        """Return the body force b_i = pi^2 u_i [mu/rho - c^2 - (lambda (ln J - 1) - mu)/(rho F_ii^2)] (T, P, dim) [m/s^2]."""
         law, stretch = self.material, 1 + self.elongation(X, t)
         mu, lame, rho = law.shear_modulus, law.lame_lambda, law.density
         log_J = np.log(math.prod(stretch[..., i] for i in range(self.dimension)))[..., None]
@@ -75,29 +75,29 @@ def axis_aligned(
     periods: float = 1.1,
     outputs: int = 32,
 ) -> VerificationProblem:
-    """Neo-Hookean unit square or cube between rollers, whose points move along every axis in a phase of its own.
+    """Neo-Hookean unit square or cube between rollers, with a standing wave along each axis; the waves differ in phase.
 
     Parameters
     ----------
     dimension : {2, 3}
-        The square starts undeformed, the cube does not.
+        Square or cube. The square starts undeformed, the cube deformed.
     amplitude : float
         A [m].
     youngs_modulus, density, poissons_ratio : float
-        E [Pa], rho [kg/m^3], nu [1]; the default set, that of the literature, has mu = 3846.15 Pa and a bulk modulus of 8333.33 Pa.
+        E [Pa], rho [kg/m^3], nu [1]; the defaults are those of the literature, mu = 3846.15 Pa and a bulk modulus of 8333.33 Pa.
     periods : float
-        Final time in periods 2/c; at 1.1 neither displacement nor velocity is near zero.
+        Final time in periods 2/c. At 1.1 periods neither displacement nor velocity is near zero.
     outputs : int
         Number of output intervals.
 
     Raises
     ------
     UsageError
-        If the dimension is not 2 or 3, pi |A| >= 1, where the body would turn inside out, or A is zero.
+        If the dimension is not 2 or 3, A is zero, or pi |A| >= 1, where J would not stay positive.
 
     Notes
     -----
-    Material lines along the axes stay so: F is diagonal, there is no shear, and rollers on all faces are exact.
+    Material lines along the axes stay aligned with them: F is diagonal, there is no shear, and rollers on all faces are exact.
 
     References
     ----------
@@ -107,7 +107,7 @@ def axis_aligned(
     """
     if dimension not in (2, 3):
         raise UsageError(
-            f"axis-aligned displacement has 2 or 3 dimensions, not {dimension!r}: in one it is the manufactured bar"
+            f"axis-aligned displacement has 2 or 3 dimensions, not {dimension!r}: use the manufactured bar in one dimension"
         )
     if not 0 < math.pi * abs(amplitude) < 1:
         raise UsageError(f"the amplitude of axis-aligned displacement must be below 1/pi and not zero, not {amplitude!r}")
@@ -122,7 +122,7 @@ def axis_aligned(
             material=motion.material,
             boundary={axis + side: roller for axis in "xyz"[:dimension] for side in "-+"},
             end_time=periods * 2 * math.pi / motion.frequency,
-            initial=pushed(motion) if dimension == 2 else {**pushed(motion), **deformed(motion)},
+            initial=initial_velocity(motion) | ({} if dimension == 2 else initial_deformation(motion)),
             body_force=FieldOf(motion, "force"),
             outputs=outputs,
         ),

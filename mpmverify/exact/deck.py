@@ -1,4 +1,4 @@
-"""The GeHoJerez deck: a hat of velocity let go at the free end of a bar, carried without error at a unit Courant number."""
+"""The GeHoJerez deck: a hat-shaped initial velocity at the free end of a bar, translated exactly at a unit Courant number."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,15 @@ CITATION = (
 
 @dataclass(frozen=True)
 class EndHat:
-    """v0 max(0, 1 - x/h): the finite element function that is v0 at the node x = 0; (P, 1) [m] -> (P, 1) [m/s]."""
+    """Hat v0 max(0, 1 - x/h) of the node x = 0: positions (P, 1) [m] -> velocity (P, 1) [m/s].
+
+    Parameters
+    ----------
+    h : float
+        Element size [m].
+    amplitude : float
+        v0 [m/s].
+    """
 
     h: float
     amplitude: float = -1.0
@@ -27,7 +35,7 @@ class EndHat:
 
 @dataclass(frozen=True)
 class HatWave:
-    """a [V(x + ct) + s V(x - ct)]/2 with the initial velocity V extended over the line: (P, 1) [m], (T,) [s] -> (T, P, 1).
+    """a [V(x + ct) + s V(x - ct)]/2 with the initial velocity V continued beyond the bar: (P, 1) [m], (T,) [s] -> (T, P, 1).
 
     Parameters
     ----------
@@ -40,7 +48,7 @@ class HatWave:
 
     Notes
     -----
-    V is even about the free end x = 0 and odd about the fixed end x = L, hence of period 4L.
+    V is even about the free end x = 0 and odd about the fixed end x = L, hence periodic with 4L.
     """
 
     length: float
@@ -52,9 +60,9 @@ class HatWave:
 
     def __call__(self, X: Array, t: Array) -> Array:
         x, travelled = X[None], self.wave_speed * t[:, None, None]
-        return self.scale / 2 * (self._extended(x + travelled) + self.sign * self._extended(x - travelled))
+        return self.scale / 2 * (self._continued(x + travelled) + self.sign * self._continued(x - travelled))
 
-    def _extended(self, x: Array) -> Array:
+    def _continued(self, x: Array) -> Array:
         L, h = self.length, self.h
         x = np.mod(x + L, 4 * L) - L
         return self.amplitude * (np.maximum(0, 1 - np.abs(x) / h) - np.maximum(0, 1 - np.abs(x - 2 * L) / h))
@@ -63,20 +71,21 @@ class HatWave:
 def deck(
     *, length: float = 8.0, h: float = 1.0, steps: int = 25, youngs_modulus: float = 1.0, density: float = 1.0
 ) -> VerificationProblem:
-    """Bar free at x = 0 and fixed at x = L, unstressed, with v = -1 at node 0 and linear to zero at node 1.
+    """Unstressed bar, free at x = 0 and fixed at x = L; the initial velocity is -1 at node 0 and falls linearly to 0 at node 1.
 
-    The deck takes 25 steps of dt = h/c from rest and sets v = -1 after the first, so that its step k is our time (k - 1) dt;
-    hence 24 dt and 24 outputs. In the middle of an element, at multiples of dt, a scheme at a unit Courant number must give
-    every value without error: a stress of 1/4 in two elements, doubled at the fixed end. The finer twin: length=5, h=0.25.
+    The deck takes 25 steps of dt = h/c from rest and sets v = -1 after the first. Its step k therefore is the time (k - 1) dt
+    here, and the problem has 24 steps and 24 outputs. At the midpoints of the elements and at multiples of dt, a scheme at a unit
+    Courant number must give every value exactly: a stress of 1/4 in two elements, doubled at the fixed end. A finer
+    version has length=5, h=0.25.
 
-    By default 24 dt = 3 L/c, when the velocity vanishes everywhere: judge every output, not the last.
+    The default final time is 24 dt = 3 L/c, where the velocity vanishes everywhere: judge all outputs, not the last one.
 
     Parameters
     ----------
     length, h : float
         L and the element size [m].
     steps : int
-        Steps of the deck, its first included.
+        Number of steps of the deck, including the first.
     youngs_modulus, density : float
         E [Pa], rho [kg/m^3].
 

@@ -1,7 +1,7 @@
-"""Dispersion relations: how far a scheme turns, and damps, an elastic wave in one step on a uniform mesh.
+"""Dispersion relations of the schemes for elastic waves on a uniform mesh.
 
-Each gives the factor z of a step on the mode of phase angle theta = k h: arg z = omega dt is the angle of a step, |z| its growth.
-The exact one is exp(i nu_C theta). Of a conjugate pair the factor is that of positive frequency.
+Each relation gives the complex factor z by which one step multiplies the mode of phase angle theta = k h: arg z = omega dt is the
+phase advance, |z| the growth per step. The exact factor is exp(i nu_C theta). Of a conjugate pair, z has the positive frequency.
 """
 
 import math
@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpmverify.exact.amplification import two_step_taylor_galerkin
-from mpmverify.exact.waves import front, oscillation
+from mpmverify.exact.waves import front, oscillating_root
 from mpmverify.problem import Array
 
 Relation = Callable[[Array, float, int], NDArray[np.complex128]]
-"""Phase angles k h (n,) [rad], Courant number c dt/h, particles per cell -> factor of a step (n,)."""
+"""Phase angles k h (n,) [rad], Courant number c dt/h, particles per cell -> factor z of one step (n,)."""
 
 
 def linear_elements(theta: Array, mass: str) -> Array:
-    """Semi-discrete dispersion of linear elements, (omega h/c)^2 = 4 sin^2(theta/2)/m(theta), (n,).
+    """Return (omega h/c)^2 = 4 sin^2(theta/2)/m(theta), (n,), of linear elements in space alone (semi-discrete).
 
     Parameters
     ----------
@@ -39,40 +39,41 @@ def linear_elements(theta: Array, mass: str) -> Array:
 
 
 def newmark(theta: Array, courant: float, ppc: int, *, mass: str, beta: float) -> NDArray[np.complex128]:
-    """Linear elements in time by Newmark's rule with gamma = 1/2.
+    """Relation of linear elements with Newmark's rule, gamma = 1/2.
 
     Parameters
     ----------
     theta, courant, ppc : Array, float, int
-        As of a `Relation`; without particles, `ppc` does not matter.
+        See `Relation`; `ppc` is ignored.
     mass : {"lumped", "consistent"}
     beta : float
         0 for central differences, 1/4 for the average acceleration.
 
     Notes
     -----
-    4 sin^2(omega dt/2) = q/(1 + beta q), with q = nu_C^2 (omega h/c)^2 of the semi-discrete system; |z| = 1 where it is stable.
+    4 sin^2(omega dt/2) = q/(1 + beta q) with q = nu_C^2 (omega h/c)^2 of the semi-discrete system; |z| = 1 where it is stable.
 
     References
     ----------
     T. J. R. Hughes, The Finite Element Method, Prentice-Hall 1987, section 9.1.
     """
     q = courant**2 * linear_elements(theta, mass)
-    return oscillation(2 - q / (1 + beta * q), np.ones_like(q))
+    return oscillating_root(2 - q / (1 + beta * q), np.ones_like(q))
 
 
 def quadratic_elements(theta: Array, courant: float, ppc: int, *, mass: str) -> NDArray[np.complex128]:
-    """Quadratic elements by central differences: the mode of the lower, acoustic, branch at a phase angle k h per element.
+    """Relation of quadratic elements with central differences: the acoustic branch, at a phase angle k h per element.
 
     Parameters
     ----------
     theta, courant, ppc : Array, float, int
-        As of a `Relation`; without particles, `ppc` does not matter.
+        See `Relation`; `ppc` is ignored.
     mass : {"lumped", "consistent"}
 
     Notes
     -----
-    Of end and middle node of an element a wave makes two unknowns, K(theta) a = (omega h/c)^2 M(theta) a; the lower root counts.
+    The amplitudes a of a wave at end nodes and at middle nodes obey K(theta) a = (omega h/c)^2 M(theta) a. The lower of the two
+    eigenvalues belongs to the acoustic branch.
 
     References
     ----------
@@ -82,18 +83,25 @@ def quadratic_elements(theta: Array, courant: float, ppc: int, *, mass: str) -> 
     M = np.diag([1, 4, 1]) / 6 if mass == "lumped" else np.array([[4, 2, -1], [2, 16, 2], [-1, 2, 4]]) / 30
 
     def entries(matrix: Array) -> tuple[Array, float, Array]:
-        """End with end, middle with middle, end with middle squared, for unknowns of the symmetric phase."""
+        """Return the entries (end, end), (middle, middle) and (end, middle) of the 2 x 2 matrix of a wave."""
         end = matrix[0, 0] + matrix[2, 2] + 2 * matrix[0, 2] * np.cos(theta)
         return end, matrix[1, 1], 2 * matrix[0, 1] * np.cos(theta / 2)
 
     (k0, k1, k2), (m0, m1, m2) = entries(K), entries(M)
     a, b, c = m0 * m1 - m2**2, k0 * m1 + k1 * m0 - 2 * k2 * m2, k0 * k1 - k2**2
     q = courant**2 * 2 * c / (b + np.sqrt(b**2 - 4 * a * c))
-    return oscillation(2 - q, np.ones_like(q))
+    return oscillating_root(2 - q, np.ones_like(q))
 
 
 def taylor_galerkin(theta: Array, courant: float, ppc: int, *, passes: int) -> NDArray[np.complex128]:
-    """Two-step Taylor-Galerkin on a bar: each characteristic is advected, so z is the conjugate of the amplification factor.
+    """Relation of two-step Taylor-Galerkin: it advects each characteristic, so z is the conjugate of the amplification factor.
+
+    Parameters
+    ----------
+    theta, courant, ppc : Array, float, int
+        See `Relation`; `ppc` is ignored.
+    passes : int
+        Passes of the mass iteration; 1 is the lumped mass.
 
     References
     ----------
@@ -104,7 +112,10 @@ def taylor_galerkin(theta: Array, courant: float, ppc: int, *, passes: int) -> N
 
 
 def symbols(theta: Array, ppc: int, degree: int) -> tuple[Array, Array]:
-    """A = mean_p |sum_I N_I e^{i theta I}|^2 and D = mean_p |sum_I h N'_I e^{i theta I}|^2, (n,), for B-splines away from the ends.
+    """Return the Fourier symbols A and D (n,) of the transfers between particles and grid, for B-splines away from the ends.
+
+    A = mean_p |sum_I N_I e^{i theta I}|^2 belongs to the transfer of velocity to the particles and back, and
+    D = mean_p |sum_I h N'_I e^{i theta I}|^2 to the gradient and divergence.
 
     Parameters
     ----------
@@ -113,6 +124,7 @@ def symbols(theta: Array, ppc: int, degree: int) -> tuple[Array, Array]:
     ppc : int
         Particles per cell, at (i + 1/2)/ppc.
     degree : {1, 2, 3}
+        Degree of the B-splines.
     """
     x = (np.arange(ppc) + 0.5) / ppc
     if degree == 1:
@@ -128,37 +140,38 @@ def symbols(theta: Array, ppc: int, degree: int) -> tuple[Array, Array]:
 
 
 def material_point(theta: Array, courant: float, ppc: int, *, schedule: str, degree: int) -> NDArray[np.complex128]:
-    """Material points with FLIP and lumped mass at frozen positions (i + 1/2)/ppc in every cell.
+    """Relation of the material point method with FLIP and lumped mass, for particles fixed at (i + 1/2)/ppc in every cell.
 
     Parameters
     ----------
     theta, courant, ppc : Array, float, int
-        As of a `Relation`.
+        See `Relation`.
     schedule : {"USF", "USL", "MUSL"}
+        Stress-update schedule.
     degree : {1, 2}
-        Of the B-splines.
+        Degree of the B-splines.
 
     Notes
     -----
-    A transfer to the particles and back multiplies an increment of velocity by A, the share of it that the grid sees again;
-    gradient and divergence together give D. Nodal velocity w = v dt and strain measure e obey, with q = nu_C^2 D,
+    A transfer to the particles and back multiplies a velocity increment of the grid by A; gradient and divergence together give D,
+    see `symbols`. With q = nu_C^2 D, the scaled nodal velocity w = v dt and a strain measure e obey
 
-    USF, MUSL: e <- e + w before the force, w <- w - A q e: trace 2 - A q, determinant 1;
-    USL:       w <- w - A q e and e <- e + (w - q e) from the old values: trace 2 - q, determinant 1 - q (1 - A).
+    USF, MUSL: e <- e + w before the force, then w <- w - A q e: trace 2 - A q, determinant 1;
+    USL:       w <- w - A q e and e <- e + (w - q e), both from the old values: trace 2 - q, determinant 1 - q (1 - A).
 
-    A velocity that the grid does not see stays with the particles: the stress is free of it.
+    The part of the particle velocities that maps to zero on the grid stays with the particles and does not affect the stress.
 
     References
     ----------
     S. G. Bardenhagen, Energy conservation error in the material point method for solid mechanics, Journal of Computational
-    Physics 180 (2002) 383-403, https://doi.org/10.1006/jcph.2002.7103, for what the schedules do to the energy; the relation is
-    derived in the notes.
+    Physics 180 (2002) 383-403, https://doi.org/10.1006/jcph.2002.7103, on the energy of the schedules. The relation is an own
+    derivation, given in the notes.
     """
     A, D = symbols(theta, ppc, degree)
     q = courant**2 * D
     if schedule == "USL":
-        return oscillation(2 - q, 1 - q * (1 - A))
-    return oscillation(2 - A * q, np.ones_like(q))
+        return oscillating_root(2 - q, 1 - q * (1 - A))
+    return oscillating_root(2 - A * q, np.ones_like(q))
 
 
 RELATIONS: dict[str, Relation] = {
@@ -171,7 +184,7 @@ RELATIONS: dict[str, Relation] = {
     "tg-lumped": partial(taylor_galerkin, passes=1),
     "tg-consistent-3": partial(taylor_galerkin, passes=3),
 }
-"""Relations by scheme; an updated Lagrangian code obeys its own at infinitesimal amplitude."""
+"""Relations by solver name; those of updated Lagrangian solvers hold at infinitesimal amplitude."""
 RELATIONS |= {
     f"mpm-{formulation}-{basis}-{schedule.lower()}-flip": partial(material_point, schedule=schedule, degree=degree)
     for formulation in ("ul", "tl")
@@ -181,7 +194,7 @@ RELATIONS |= {
 
 
 def leading_errors(relation: str, courant: float, ppc: int = 1) -> tuple[float, float]:
-    """Leading errors of a scheme for long waves, the phase's of second order and the modulus' of fourth.
+    """Return the leading errors of a scheme for long waves: of second order in the phase, of fourth order in the modulus.
 
     Parameters
     ----------
@@ -195,7 +208,7 @@ def leading_errors(relation: str, courant: float, ppc: int = 1) -> tuple[float, 
     Returns
     -------
     (float, float)
-        Lag in omega/(c k) = 1 - lag theta^2 + O(theta^4), negative when waves run ahead, and loss in
+        The coefficient `lag` in omega/(c k) = 1 - lag theta^2 + O(theta^4), negative if the waves are too fast; and `loss` in
         |z| = 1 - loss nu_C theta^4 + O(theta^6).
     """
     theta = np.array([0.1, 0.05])
@@ -207,7 +220,7 @@ def leading_errors(relation: str, courant: float, ppc: int = 1) -> tuple[float, 
 
 @cache
 def front_lag(relation: str, courant: float, steps: int, ppc: int = 1) -> float:
-    """How far, in cells, the middle of a front lags behind a jump that the scheme has carried for some steps.
+    """Return the distance, in cells, by which the middle of a numerical front lags behind the exact jump after some steps.
 
     Parameters
     ----------
@@ -216,20 +229,21 @@ def front_lag(relation: str, courant: float, steps: int, ppc: int = 1) -> float:
     courant : float
         nu_C [1].
     steps : int
+        Number n of steps.
     ppc : int
         Particles per cell.
 
     Notes
     -----
-    Each mode of a jump on a ring of many cells is multiplied by its factor so many times, in a frame that moves with the wave. To
-    leading order the front is the integral of an Airy function, which lags by a part of its width (3 lag nu_C n)^(1/3) cells.
+    Each Fourier mode of a jump on a long periodic grid is multiplied by its factor z^n, in a frame that moves with the wave. To leading
+    order the front is the integral of an Airy function, which lags by a fraction of its width (3 lag nu_C n)^(1/3) cells.
     """
     cells = 2 ** math.ceil(math.log2(8 * (64 + courant * steps)))
     node = np.arange(cells)
     ring = np.where(node < cells // 2, 1.0, 0.0)
     ring[[0, cells // 2]] = 0.5
     theta = 2 * np.pi * np.arange(cells // 2 + 1) / cells
-    carried = (np.conj(RELATIONS[relation](theta, courant, ppc)) * np.exp(1j * courant * theta)) ** steps
-    values = np.fft.irfft(np.fft.rfft(ring) * carried, cells)
+    factors = (np.conj(RELATIONS[relation](theta, courant, ppc)) * np.exp(1j * courant * theta)) ** steps
+    values = np.fft.irfft(np.fft.rfft(ring) * factors, cells)
     half = slice(cells // 4, 3 * cells // 4)
     return cells // 2 - front(node[half], values[half], 0.5)

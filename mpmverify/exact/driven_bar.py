@@ -1,4 +1,4 @@
-"""Manufactured standing wave in a linear elastic bar with one end moved, the other loaded, and a body force everywhere."""
+"""Manufactured standing wave in a linear elastic bar with a moved end, a loaded end and a body force."""
 
 import dataclasses
 import math
@@ -14,8 +14,8 @@ CITATION = "Salari K., Knupp P. (2000). Code verification by the method of manuf
 
 
 @dataclass(frozen=True)
-class Swing:
-    """a sin(omega t + phase) + offset, a datum in time (a `History`); omega in rad/s."""
+class Sinusoid:
+    """a sin(omega t + phase) + offset, a `History`; omega in rad/s."""
 
     amplitude: float
     omega: float
@@ -25,7 +25,7 @@ class Swing:
     def __call__(self, t: Array) -> Array:
         return self.amplitude * np.sin(self.omega * t + self.phase) + self.offset
 
-    def scaled(self, factor: float) -> "Swing":
+    def scaled(self, factor: float) -> "Sinusoid":
         return dataclasses.replace(self, amplitude=factor * self.amplitude, offset=factor * self.offset)
 
     def integral(self, t: Array) -> Array:
@@ -33,7 +33,7 @@ class Swing:
 
 
 @dataclass(frozen=True)
-class Shape:
+class SineProfile:
     """a sin(k X + phase): (P, 1) [m] -> (P, 1); k in rad/m."""
 
     amplitude: float
@@ -45,14 +45,14 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class Product:
-    """A shape in space times a swing in time: (P, 1) [m], (T,) [s] -> (T, P, 1)."""
+class StandingWave:
+    """A profile in space times a function of time: (P, 1) [m], (T,) [s] -> (T, P, 1)."""
 
-    shape: Shape
-    swing: Swing
+    profile: SineProfile
+    history: Sinusoid
 
     def __call__(self, X: Array, t: Array) -> Array:
-        return self.swing(t)[:, None, None] * self.shape(X)[None]
+        return self.history(t)[:, None, None] * self.profile(X)[None]
 
 
 def driven_bar(
@@ -66,28 +66,28 @@ def driven_bar(
     density: float = 2.0,
     poissons_ratio: float = 0.3,
 ) -> VerificationProblem:
-    """Linear elastic bar that follows u = G sin(k X + phi) [sin(omega t + psi) - sin(psi)].
+    """Linear elastic bar with the manufactured displacement u = G sin(k X + phi) [sin(omega t + psi) - sin(psi)].
 
-    No parameter is 0 or 1, no end is at rest or free, and nothing is symmetric: what cancels or vanishes on a bar of unit
-    properties does not here.
+    No parameter is 0 or 1, no end is at rest or free, and there is no symmetry. Terms that vanish or cancel for a bar with unit
+    properties therefore do not vanish here.
 
     Parameters
     ----------
     loaded : {"x-", "x+"}
-        The face under traction; the other one is moved.
+        Face with a prescribed traction; the other face has a prescribed velocity.
     start : float
-        psi [rad]; where it is not zero the bar starts with an acceleration too.
+        psi [rad]; if it is not zero, the initial acceleration is not zero.
     amplitude : float
         G [m].
     lower, length : float
-        Place of x- and length of the bar [m].
+        Position of the face x- and length of the bar [m].
     youngs_modulus, density, poissons_ratio : float
-        E [Pa], rho [kg/m^3], nu [1]; the bar is strained uniaxially, with the modulus lambda + 2 mu.
+        E [Pa], rho [kg/m^3], nu [1]; the strain is uniaxial, with the modulus lambda + 2 mu.
 
     Raises
     ------
     UsageError
-        If the loaded face is not one of the bar's.
+        If the loaded face is not "x-" or "x+".
 
     Notes
     -----
@@ -104,17 +104,17 @@ def driven_bar(
     modulus = material.lame_lambda + 2 * material.shear_modulus
     c, k, phase = material.wave_speed, 1.3 * math.pi / length, 0.4
     omega = 0.8 * c * k
-    shape, slope = Shape(1.0, k, phase), Shape(modulus * k, k, phase + math.pi / 2)
-    rest = -amplitude * math.sin(start)
-    swing, rate = Swing(amplitude, omega, start, rest), Swing(amplitude * omega, omega, start + math.pi / 2)
+    profile, stress_profile = SineProfile(1.0, k, phase), SineProfile(modulus * k, k, phase + math.pi / 2)
+    offset = -amplitude * math.sin(start)
+    history, rate = Sinusoid(amplitude, omega, start, offset), Sinusoid(amplitude * omega, omega, start + math.pi / 2)
 
     def at(face: str) -> Array:
         return np.array([[lower + (length if face == "x+" else 0.0)]])
 
     moved = "x-" if loaded == "x+" else "x+"
     boundary: dict[str, BoundaryCondition] = {
-        moved: Velocity(rate.scaled(float(shape(at(moved))[0, 0]))),
-        loaded: Traction(swing.scaled(float(slope(at(loaded))[0, 0]))),
+        moved: Velocity(rate.scaled(float(profile(at(moved))[0, 0]))),
+        loaded: Traction(history.scaled(float(stress_profile(at(loaded))[0, 0]))),
     }
     return VerificationProblem(
         problem=Problem(
@@ -124,18 +124,21 @@ def driven_bar(
             material=material,
             boundary=boundary,
             end_time=(1.45 if start else 1.3) * 2 * math.pi / omega,
-            initial={"velocity": Shape(rate.amplitude * math.cos(start), k, phase)},
-            body_force=Product(shape, Swing(amplitude * (c * c * k * k - omega * omega), omega, start, rest * (c * k) ** 2)),
+            initial={"velocity": SineProfile(rate.amplitude * math.cos(start), k, phase)},
+            body_force=StandingWave(
+                profile, Sinusoid(amplitude * (c * c * k * k - omega * omega), omega, start, offset * (c * k) ** 2)
+            ),
         ),
         exact=ExactSolution(
             fields={
-                "displacement": Product(shape, swing),
-                "velocity": Product(shape, rate),
-                "stress": Product(slope, swing),
+                "displacement": StandingWave(profile, history),
+                "velocity": StandingWave(profile, rate),
+                "stress": StandingWave(stress_profile, history),
             },
             citation=CITATION,
         ),
-        exposes="Moved and loaded ends, the instant at which data are taken, the body force, and terms that vanish on a unit bar.",
+        exposes="Errors at moved and loaded ends, in the time at which data are evaluated, in the body force, and in terms that vanish "
+        "for unit properties.",
         equations=(
             r"\rho\, \partial_{tt} u = (\lambda + 2\mu)\, \partial_{XX} u + \rho b, \quad \sigma = (\lambda + 2\mu)\, \partial_X u",
             r"u(X,0) = 0, \quad \partial_t u(X,0) = \omega G \cos\psi \sin(k X + \varphi)",

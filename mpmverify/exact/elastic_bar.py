@@ -1,4 +1,4 @@
-"""Elastic bar in stress-velocity form, fixed at one end and pulled at the other: a sum over images of the load."""
+"""Elastic bar, fixed at one end and loaded at the other: d'Alembert's solution by the method of images."""
 
 import math
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ CITATION = "Graff K. F. (1975). Wave Motion in Elastic Solids. Clarendon Press, 
 
 
 class Load(History, Protocol):
-    """A traction history that is zero before t = 0; `derivatives` counts the derivatives that it has in L1."""
+    """A traction history that is zero before t = 0; `derivatives` is the number of its derivatives in L1."""
 
     @property
     def name(self) -> str: ...
@@ -27,7 +27,7 @@ class Load(History, Protocol):
 
 @dataclass(frozen=True)
 class StepLoad:
-    """p0 from t = 0 on; amplitude p0 [Pa]."""
+    """Constant p0 from t = 0 on; amplitude p0 [Pa]."""
 
     amplitude: float = 1e-6
     name: ClassVar[str] = "step"
@@ -43,7 +43,7 @@ class StepLoad:
 
 @dataclass(frozen=True)
 class RampLoad:
-    """Rises linearly to p0 in the time t_r, then stays; amplitude p0 [Pa], duration t_r [s]."""
+    """Linear rise from 0 to p0 in the time t_r, then constant; amplitude p0 [Pa], duration t_r [s]."""
 
     amplitude: float = 1e-6
     duration: float = 0.3
@@ -61,7 +61,13 @@ class RampLoad:
 
 @dataclass(frozen=True)
 class SmoothPulse:
-    """p0 exp(-((t - t0)/w)^2), cut at t = 0; amplitude p0 [Pa], centre t0 >= 6 w [s], width w [s]."""
+    """Pulse p0 exp(-((t - t0)/w)^2), zero before t = 0; amplitude p0 [Pa], centre t0 >= 6 w [s], width w [s].
+
+    Raises
+    ------
+    UsageError
+        If 0 < 6 w <= t0 does not hold.
+    """
 
     amplitude: float = 1e-6
     centre: float = 0.5
@@ -72,7 +78,7 @@ class SmoothPulse:
 
     def __post_init__(self) -> None:
         if not 0 < 6 * self.width <= self.centre:
-            raise UsageError(f"{self!r} is not negligible at t = 0: centre it at least six widths later")
+            raise UsageError(f"{self!r} is not negligible at t = 0: move its centre to six widths or later")
 
     def __call__(self, t: Array) -> Array:
         return np.where(t >= 0, self.amplitude * np.exp(-(((t - self.centre) / self.width) ** 2)), 0.0)
@@ -84,7 +90,10 @@ class SmoothPulse:
 
 @dataclass(frozen=True)
 class SineLoad:
-    """p0 sin(omega t) from t = 0 on; amplitude p0 [Pa], omega [rad/s]: the bar resonates at odd multiples of pi c/(2 L)."""
+    """Load p0 sin(omega t) from t = 0 on; amplitude p0 [Pa], omega [rad/s].
+
+    The bar resonates at odd multiples of pi c/(2 L).
+    """
 
     amplitude: float = 1e-6
     omega: float = 2 * math.pi
@@ -101,7 +110,7 @@ class SineLoad:
 
 @dataclass(frozen=True)
 class Integral:
-    """A history's integral from 0, as a function of time [s]."""
+    """Time integral of a load from 0, as a function of time [s]."""
 
     history: Load
 
@@ -111,10 +120,22 @@ class Integral:
 
 @dataclass(frozen=True)
 class ImageSum:
-    """Waves sent from x = L and reflected at both ends, a finite sum: (P, 1) [m], (T,) [s] -> (T, P, 1).
+    """Waves from the loaded end x = L with their reflections at both ends: (P, 1) [m], (T,) [s] -> (T, P, 1).
 
-    a sum_n (-1)^n [f(t - (2nL + L - x)/c) + s f(t - (2nL + L + x)/c)], with f `emitted` and zero before t = 0, L `length` [m],
-    c `wave_speed` [m/s], a `scale` and the `sign` s: 1 for stress, -1 for what vanishes at the fixed end.
+    a sum_n (-1)^n [f(t - (2nL + L - x)/c) + s f(t - (2nL + L + x)/c)], a finite sum at any time.
+
+    Parameters
+    ----------
+    emitted : Load or Integral
+        f, zero before t = 0.
+    length : float
+        L [m].
+    wave_speed : float
+        c [m/s].
+    sign : float
+        s: 1 for stress, -1 for velocity and displacement, which vanish at the fixed end.
+    scale : float
+        a.
     """
 
     emitted: Load | Integral
@@ -140,20 +161,20 @@ def elastic_bar(
     density: float = 1.0,
     end_time: float | None = None,
 ) -> VerificationProblem:
-    """Bar at rest, fixed at x = 0, with the traction p(t) at x = L.
+    """Bar initially at rest, fixed at x = 0, with the traction p(t) at x = L.
 
-    The regularity is that of stress and velocity; displacement has one derivative more. With the default loads the strain stays
-    near 1e-6, so that geometric nonlinearity is below the error of any feasible mesh.
+    The declared regularity is that of stress and velocity; the displacement has one derivative more. With the default loads the strain
+    stays near 1e-6, so that geometric nonlinearity is below the error of any feasible mesh.
 
     Parameters
     ----------
     load : StepLoad, RampLoad, SmoothPulse or SineLoad, optional
-        p; the step by default.
+        Traction p; the step by default.
     length, youngs_modulus, density : float
         L [m], E [Pa], rho [kg/m^3].
     end_time : float, optional
-        [s]; by default 1.6 L/c, the front once reflected and inside the bar; for a pulse 2.5 L/c after its centre entered, the
-        pulse in mid-bar and once reflected at each end.
+        Final time [s]. By default 1.6 L/c, when the front has been reflected once and is inside the bar; for a pulse 2.5 L/c after
+        its centre entered, when it has been reflected once at each end and is at mid-length.
 
     References
     ----------

@@ -19,14 +19,14 @@ CITATION = (
 
 @dataclass(frozen=True)
 class Motion:
-    """The motion on [0, 1] that all fields derive from; they take (P, 1) [m], (T,) [s] -> (T, P, 1).
+    """The motion on [0, 1]; its fields, the subclasses, map (P, 1) [m], (T,) [s] -> (T, P, 1).
 
     Parameters
     ----------
     amplitude : float
         G [m].
     material : NeoHookean
-        Its E and rho set the time scale c = sqrt(E/rho), whatever Poisson's ratio is.
+        Material; c = sqrt(E/rho) for any Poisson's ratio.
     """
 
     amplitude: float
@@ -38,17 +38,17 @@ class Motion:
         return math.sqrt(self.material.youngs_modulus / self.material.density)
 
     def displacement(self, X: Array, t: Array) -> Array:
-        """Displacement u = G sin(pi X) sin(c pi t) [m]."""
+        """Return the displacement u = G sin(pi X) sin(c pi t) [m]."""
         return self.amplitude * np.sin(np.pi * X[None]) * np.sin(self.speed * np.pi * t[:, None, None])
 
     def gradient(self, X: Array, t: Array) -> Array:
-        """Deformation gradient F = 1 + pi G cos(pi X) sin(c pi t) [1]."""
+        """Return the deformation gradient F = 1 + pi G cos(pi X) sin(c pi t) [1]."""
         return 1 + np.pi * self.amplitude * np.cos(np.pi * X[None]) * np.sin(self.speed * np.pi * t[:, None, None])
 
 
 @dataclass(frozen=True)
 class ManufacturedDisplacement(Motion):
-    """u = G sin(pi X) sin(c pi t) [m]."""
+    """Displacement u = G sin(pi X) sin(c pi t) [m]."""
 
     def __call__(self, X: Array, t: Array) -> Array:
         return self.displacement(X, t)
@@ -56,7 +56,7 @@ class ManufacturedDisplacement(Motion):
 
 @dataclass(frozen=True)
 class ManufacturedVelocity(Motion):
-    """v = G c pi sin(pi X) cos(c pi t) [m/s]."""
+    """Velocity v = G c pi sin(pi X) cos(c pi t) [m/s]."""
 
     def __call__(self, X: Array, t: Array) -> Array:
         omega = self.speed * np.pi
@@ -65,7 +65,7 @@ class ManufacturedVelocity(Motion):
 
 @dataclass(frozen=True)
 class ManufacturedStress(Motion):
-    """P = lambda ln(F)/F + mu (F - 1/F) [Pa]; in uniaxial strain the Cauchy stress is the same."""
+    """Stress P = lambda ln(F)/F + mu (F - 1/F) [Pa]; in uniaxial strain the Cauchy stress equals it."""
 
     def __call__(self, X: Array, t: Array) -> Array:
         F = self.gradient(X, t)
@@ -74,7 +74,7 @@ class ManufacturedStress(Motion):
 
 @dataclass(frozen=True)
 class ManufacturedForce(Motion):
-    """b = (pi^2 u/rho) [lambda (1 - ln F)/F^2 + mu (1 + 1/F^2) - E] [m/s^2], from rho u_tt = P_X + rho b."""
+    """Body force b = (pi^2 u/rho) [lambda (1 - ln F)/F^2 + mu (1 + 1/F^2) - E] [m/s^2], from rho u_tt = P_X + rho b."""
 
     def __call__(self, X: Array, t: Array) -> Array:
         F, law = self.gradient(X, t), self.material
@@ -91,23 +91,23 @@ def manufactured(
     end_time: float = 0.02,
     outputs: int = 128,
 ) -> VerificationProblem:
-    """Neo-Hookean bar on [0, 1] with fixed ends, driven by the body force that makes a standing wave exact.
+    """Neo-Hookean bar on [0, 1] with fixed ends, and the body force for which a standing wave is the exact solution.
 
     Parameters
     ----------
     amplitude : float
-        G [m]: at 1e-4 no particle crosses a cell, at 0.05 they do.
+        G [m]. At 1e-4 no particle leaves its cell; at 0.05 particles cross cells.
     youngs_modulus, density, poissons_ratio : float
         E [Pa], rho [kg/m^3], nu [1].
     end_time : float
-        [s]; the default is one period, whose end is a zero of the displacement: judge the maximum over time.
+        Final time [s]. After the default, one period, the displacement is zero: judge the maximum over time.
     outputs : int
-        Enough for the maximum over time of the error's norm to four digits.
+        Number of output intervals; the default gives the maximum over time of the error norm to four digits.
 
     Raises
     ------
     UsageError
-        If pi |G| >= 1, where the bar would turn inside out, or G is zero.
+        If G is zero, or pi |G| >= 1, where F would not stay positive.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Elastic bar pulled at one end, with waves leaving through the other: nothing comes back."""
+"""Elastic bar loaded at one end, with an absorbing end that reflects no wave."""
 
 from dataclasses import dataclass
 
@@ -10,10 +10,19 @@ from mpmverify.problem import Absorbing, Array, LinearElastic, Problem, Traction
 
 
 @dataclass(frozen=True)
-class Incoming:
-    """a f(t - (X1 - X)/c), a wave sent from X1 towards smaller X: (P, 1) [m], (T,) [s] -> (T, P, 1).
+class LeftgoingWave:
+    """Wave a f(t - (X1 - X)/c) from X1 towards smaller X: (P, 1) [m], (T,) [s] -> (T, P, 1).
 
-    f `emitted` is zero before t = 0, X1 `source` [m], c `wave_speed` [m/s], a `scale`.
+    Parameters
+    ----------
+    emitted : Load or Integral
+        f, zero before t = 0.
+    source : float
+        X1 [m].
+    wave_speed : float
+        c [m/s].
+    scale : float
+        a.
     """
 
     emitted: Load | Integral
@@ -34,16 +43,16 @@ def open_bar(
     density: float = 2.0,
     poissons_ratio: float = 0.3,
 ) -> VerificationProblem:
-    """Bar at rest with the traction p(t) at x+ and an absorbing end at x-, until the middle of the pulse has left.
+    """Bar initially at rest with the traction p(t) at x+ and an absorbing end x-, until the centre of the pulse reaches x-.
 
     Parameters
     ----------
     load : SmoothPulse, optional
-        p; by default seven elements wide on 48.
+        Traction p; the default pulse is seven elements wide on a mesh of 48.
     lower, length : float
-        Place of x- and length of the bar [m].
+        Position of the face x- and length of the bar [m].
     youngs_modulus, density, poissons_ratio : float
-        E [Pa], rho [kg/m^3], nu [1]; the bar is strained uniaxially.
+        E [Pa], rho [kg/m^3], nu [1]; the strain is uniaxial.
 
     References
     ----------
@@ -64,14 +73,14 @@ def open_bar(
         ),
         exact=ExactSolution(
             fields={
-                "stress": Incoming(load, source, c),
-                "velocity": Incoming(load, source, c, compliance),
-                "displacement": Incoming(Integral(load), source, c, compliance),
+                "stress": LeftgoingWave(load, source, c),
+                "velocity": LeftgoingWave(load, source, c, compliance),
+                "displacement": LeftgoingWave(Integral(load), source, c, compliance),
             },
             citation=CITATION,
             derivatives=load.derivatives,
         ),
-        exposes="Waves that an end should let out and reflects.",
+        exposes="Spurious reflections at an absorbing end.",
         equations=(
             r"\rho\, \partial_t v = \partial_x \sigma, \quad \partial_t \sigma = (\lambda + 2\mu)\, \partial_x v",
             r"\sigma(x,0) = v(x,0) = 0",

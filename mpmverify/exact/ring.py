@@ -7,7 +7,7 @@ import numpy as np
 
 from mpmverify.errors import UsageError
 from mpmverify.exact.axis_aligned import CITATION
-from mpmverify.exact.motion import FieldOf, Motion, fields_of, pushed
+from mpmverify.exact.motion import FieldOf, Motion, fields_of, initial_velocity
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Constant, NeoHookean, Problem, Ring, Traction
 
@@ -15,9 +15,9 @@ INNER, OUTER = 0.4, 0.6
 """Radii of the ring [m]."""
 _SCALE = OUTER * (OUTER - 3 * INNER)
 C1, C2, C3 = -6 * INNER / _SCALE, 3 * (INNER + OUTER) / (OUTER * _SCALE), -2 / (OUTER * _SCALE)
-"""Coefficients of U = C3 R^3 + C2 R^2 + C1 R, whose slope vanishes at both radii and which is 1 at the outer one."""
-LARGEST = INNER / (C3 * INNER**3 + C2 * INNER**2 + C1 * INNER)
-"""Amplitude at which the hoop of the inner surface would shrink to a point [m]: no other stretch reaches zero before."""
+"""Coefficients of U(R) = C3 R^3 + C2 R^2 + C1 R, with U' = 0 at both radii and U = 1 at the outer one."""
+MAX_AMPLITUDE = INNER / (C3 * INNER**3 + C2 * INNER**2 + C1 * INNER)
+"""Amplitude at which the hoop stretch of the inner surface reaches zero [m]; all other stretches stay positive up to it."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class RadialMotion:
     amplitude : float
         A [m].
     material : NeoHookean
-        Without a Poisson's ratio; c = sqrt(E/rho).
+        Material with nu = 0; c = sqrt(E/rho).
     """
 
     amplitude: float
@@ -40,13 +40,13 @@ class RadialMotion:
         """Angular frequency c pi [rad/s]."""
         return math.pi * math.sqrt(self.material.youngs_modulus / self.material.density)
 
-    def swing(self, t: Array) -> Array:
-        """Return q (T, 1, 1) [m]."""
+    def time_factor(self, t: Array) -> Array:
+        """Return q = A sin(c pi t) (T, 1, 1) [m]."""
         return self.amplitude * np.sin(self.frequency * t[:, None, None])
 
     def displacement(self, X: Array, t: Array) -> Array:
         R, _ = radial(X)
-        return self.swing(t) * (C3 * R**2 + C2 * R + C1) * X
+        return self.time_factor(t) * (C3 * R**2 + C2 * R + C1) * X
 
     def velocity(self, X: Array, t: Array) -> Array:
         R, _ = radial(X)
@@ -54,20 +54,20 @@ class RadialMotion:
         return rate * (C3 * R**2 + C2 * R + C1) * X
 
     def gradient(self, X: Array, t: Array) -> Array:
-        """H = q [U/R I + (U' - U/R) e_R x e_R] (T, P, 2, 2) [1]."""
+        """Return H = q [U/R I + (U' - U/R) e_R (x) e_R] (T, P, 2, 2) [1]."""
         R, e = radial(X)
         hoop = (C3 * R**2 + C2 * R + C1)[..., None] * np.eye(2)
         rest = (2 * C3 * R**2 + C2 * R)[..., None] * (e[:, :, None] * e[:, None, :])
-        return self.swing(t)[..., None] * (hoop + rest)
+        return self.time_factor(t)[..., None] * (hoop + rest)
 
     def force(self, X: Array, t: Array) -> Array:
-        """Body force (T, P, 2) [m/s^2].
+        """Return the body force (T, P, 2) [m/s^2].
 
         b_R = -(c pi)^2 q U - (mu/rho) [q U'' (1 + 1/f^2) + ((f - 1/f) - (g - 1/g))/R] with the stretches f = 1 + q U' and
-        g = 1 + q U/R. The last term is q (2 C3 R + C2) (1 + 1/(f g)), which a grid may ask for at the origin.
+        g = 1 + q U/R. The last term is evaluated as q (2 C3 R + C2) (1 + 1/(f g)), which is finite at a grid node at the origin.
         """
         R, e = radial(X)
-        q, law = self.swing(t), self.material
+        q, law = self.time_factor(t), self.material
         hoop, slope, curvature = C3 * R**2 + C2 * R + C1, 3 * C3 * R**2 + 2 * C2 * R + C1, 6 * C3 * R + 2 * C2
         f, g = 1 + q * slope, 1 + q * hoop
         divergence = curvature * (1 + 1 / f**2) + (2 * C3 * R + C2) * (1 + 1 / (f * g))
@@ -75,13 +75,13 @@ class RadialMotion:
 
 
 def radial(X: Array) -> tuple[Array, Array]:
-    """Radius (P, 1) [m] and radial unit vector (P, 2) of points (P, 2) [m]; no direction at the origin."""
+    """Return the radius (P, 1) [m] and the radial unit vector (P, 2) of points (P, 2) [m]; the vector is zero at the origin."""
     R = np.hypot(X[:, :1], X[:, 1:])
     return R, X / np.where(R > 0, R, 1.0)
 
 
 def free_ring(name: str, motion: Motion, ring: Ring, half: float, *, end_time: float, outputs: int) -> Problem:
-    """Ring without traction on its surfaces that starts undeformed, in the box [-half, half] x [-half, half] [m]."""
+    """Return the problem of an initially undeformed, traction-free ring in the box [-half, half] x [-half, half] [m]."""
     free = Traction(Constant(0.0))
     return Problem(
         name=name,
@@ -90,7 +90,7 @@ def free_ring(name: str, motion: Motion, ring: Ring, half: float, *, end_time: f
         material=motion.material,
         boundary={"x-": free, "x+": free, "y-": free, "y+": free},
         end_time=end_time,
-        initial=pushed(motion),
+        initial=initial_velocity(motion),
         body_force=FieldOf(motion, "force"),
         outputs=outputs,
         shape=ring,
@@ -105,27 +105,27 @@ def expanding_ring(
     end_time: float = 0.02,
     outputs: int = 128,
 ) -> VerificationProblem:
-    """Neo-Hookean ring in plane strain that expands and contracts without traction on its surfaces.
+    """Neo-Hookean ring in plane strain that expands and contracts with traction-free surfaces.
 
     Parameters
     ----------
     amplitude : float
-        A, the displacement of the outer surface [m].
+        Largest displacement A of the outer surface [m].
     youngs_modulus, density : float
-        E [Pa], rho [kg/m^3]; there is no Poisson's ratio.
+        E [Pa], rho [kg/m^3]; Poisson's ratio is 0.
     end_time : float
-        [s]; the default is one period, whose end is a zero of the displacement: judge the maximum over time.
+        Final time [s]. After the default, one period, the displacement is zero: judge the maximum over time.
     outputs : int
         Number of output intervals.
 
     Raises
     ------
     UsageError
-        If |A| >= 0.386 m, where the ring would turn inside out, or A is zero.
+        If A is zero, or |A| >= 0.386 m, where a stretch would not stay positive.
 
     Notes
     -----
-    U' vanishes at both radii, and so does the traction mu (f - 1/f) there. The box is [-1, 1] x [-1, 1].
+    U' and hence the traction mu (f - 1/f) vanish at both radii. The box is [-1, 1] x [-1, 1] m.
 
     References
     ----------
@@ -133,8 +133,9 @@ def expanding_ring(
     interpolation material point method. Journal of Computational Physics 227(22), 9628-9642,
     https://doi.org/10.1016/j.jcp.2008.07.019
     """
-    if not 0 < abs(amplitude) < LARGEST:
-        raise UsageError(f"the amplitude of the expanding ring must be below {LARGEST:.3g} m and not zero, not {amplitude!r}")
+    if not 0 < abs(amplitude) < MAX_AMPLITUDE:
+        limit = f"{MAX_AMPLITUDE:.3g} m"
+        raise UsageError(f"the amplitude of the expanding ring must be below {limit} and not zero, not {amplitude!r}")
     motion = RadialMotion(amplitude, NeoHookean(youngs_modulus, density))
     return VerificationProblem(
         problem=free_ring(

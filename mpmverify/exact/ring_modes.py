@@ -1,4 +1,4 @@
-"""A ring of an elastic bar in which every wave that a grid can carry stands at once."""
+"""Periodic elastic bar (a ring) with a standing wave of every wavelength that a grid resolves."""
 
 import math
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
+from mpmverify.exact.motion import AtStart
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Problem
 from mpmverify.problem.boundary import Periodic
@@ -14,14 +15,14 @@ from mpmverify.problem.material import LinearElastic
 
 @dataclass(frozen=True)
 class Modes:
-    """Standing waves of a ring, n = 1 to N, of one amplitude of strain.
+    """Sum of standing waves n = 1 to N on a ring, all with the same strain amplitude.
 
     Parameters
     ----------
     count : int
-        N.
+        Number N of waves.
     strain : float
-        e0 [1].
+        Strain amplitude e0 of each wave [1].
     length, wave_speed : float
         L [m], c [m/s].
     """
@@ -32,30 +33,30 @@ class Modes:
     wave_speed: float
 
     def waves(self, X: Array, t: Array) -> tuple[Array, Array, Array]:
-        """Wave numbers (N,) [rad/m], phases k X + phi (1, P, N) and k c t (T, 1, N)."""
+        """Return the wavenumbers k (N,) [rad/m], and the phases k X + phi (1, P, N) and k c t (T, 1, N) [rad]."""
         n = np.arange(1, self.count + 1, dtype=float)
         k: Array = 2 * np.pi * n / self.length
         return k, (X * k + np.pi * n**2 / self.count + np.pi / 2)[None], self.wave_speed * t[:, None, None] * k
 
     def displacement(self, X: Array, t: Array) -> Array:
-        """Sum_n e0/k cos(k c t) sin(k X + phi) (T, P, 1) [m]."""
-        k, at, kct = self.waves(X, t)
-        return np.sum(self.strain / k * np.cos(kct) * np.sin(at), axis=2, keepdims=True)
+        """Return sum_n e0/k cos(k c t) sin(k X + phi) (T, P, 1) [m]."""
+        k, phase, kct = self.waves(X, t)
+        return np.sum(self.strain / k * np.cos(kct) * np.sin(phase), axis=2, keepdims=True)
 
     def velocity(self, X: Array, t: Array) -> Array:
-        """Minus sum_n c e0 sin(k c t) sin(k X + phi) (T, P, 1) [m/s]."""
-        _, at, kct = self.waves(X, t)
-        return -self.wave_speed * self.strain * np.sum(np.sin(kct) * np.sin(at), axis=2, keepdims=True)
+        """Return -sum_n c e0 sin(k c t) sin(k X + phi) (T, P, 1) [m/s]."""
+        _, phase, kct = self.waves(X, t)
+        return -self.wave_speed * self.strain * np.sum(np.sin(kct) * np.sin(phase), axis=2, keepdims=True)
 
     def gradient(self, X: Array, t: Array) -> Array:
-        """Sum_n e0 cos(k c t) cos(k X + phi) (T, P, 1) [1]."""
-        _, at, kct = self.waves(X, t)
-        return self.strain * np.sum(np.cos(kct) * np.cos(at), axis=2, keepdims=True)
+        """Return sum_n e0 cos(k c t) cos(k X + phi) (T, P, 1) [1]."""
+        _, phase, kct = self.waves(X, t)
+        return self.strain * np.sum(np.cos(kct) * np.cos(phase), axis=2, keepdims=True)
 
 
 @dataclass(frozen=True)
 class ModesField:
-    """One of the fields of the modes: "displacement", "velocity" or "gradient", times a factor."""
+    """One field of `Modes`, "displacement", "velocity" or "gradient", times a factor: (P, 1) [m], (T,) [s] -> (T, P, 1)."""
 
     modes: Modes
     kind: str
@@ -63,16 +64,6 @@ class ModesField:
 
     def __call__(self, X: Array, t: Array) -> Array:
         return self.factor * np.asarray(getattr(self.modes, self.kind)(X, t))
-
-
-@dataclass(frozen=True)
-class AtFirst:
-    """A field at t = 0, (P, 1)."""
-
-    field: ModesField
-
-    def __call__(self, X: Array) -> Array:
-        return self.field(X, np.zeros(1))[0]
 
 
 def ring_modes(
@@ -84,18 +75,18 @@ def ring_modes(
     strain: float = 1e-4,
     crossings: float = 25.0,
 ) -> VerificationProblem:
-    """Ring that is let go with every wave length from L down to two cells, all of the same strain.
+    """Periodic bar released from rest in a sum of standing waves with wavelengths from L to two cells and equal strain.
 
     Parameters
     ----------
     cells : int
-        Of the grid whose shortest wave is the last; even.
+        Even number of cells of the grid; its shortest wave, of two cells, is the last one in the sum.
     length, youngs_modulus, density : float
         L [m], E [Pa], rho [kg/m^3].
     strain : float
-        Amplitude of the strain of a wave [1].
+        Strain amplitude of each wave [1].
     crossings : float
-        Final time in L/c: the number of steps is that of the cells times this, over the Courant number.
+        Final time in units of L/c, which takes cells * crossings/nu_C steps.
 
     Raises
     ------
@@ -104,11 +95,13 @@ def ring_modes(
 
     Notes
     -----
-    The phases pi n^2/N + pi/2 keep the waves from adding up in one place; the shortest one has its strain in the middle of the
-    cells. The final time is no multiple of a period.
+    The phases pi n^2/N + pi/2 prevent the waves from adding up at one point. The strain of the shortest wave is largest at the
+    middles of the cells. The final time is not a multiple of a period.
     """
     if cells < 2 or cells % 2:
-        raise UsageError(f"the shortest wave of a ring takes two cells: their number is even, not {cells!r}")
+        raise UsageError(
+            f"the number of cells of the ring must be positive and even, not {cells!r}: its shortest wave has two cells"
+        )
     material = LinearElastic(youngs_modulus, density)
     modes = Modes(cells // 2, strain, length, material.wave_speed)
     displacement, velocity, gradient, stress = (
@@ -126,9 +119,9 @@ def ring_modes(
             boundary={"x-": Periodic(), "x+": Periodic()},
             end_time=crossings * length / material.wave_speed / math.sqrt(1.001),
             initial={
-                "displacement": AtFirst(displacement),
-                "displacement_gradient": AtFirst(gradient),
-                "stress": AtFirst(stress),
+                "displacement": AtStart(displacement),
+                "displacement_gradient": AtStart(gradient),
+                "stress": AtStart(stress),
             },
             outputs=1,
         ),

@@ -1,4 +1,4 @@
-"""An exact solution, and the verification problem that pairs it with its initial-boundary-value problem."""
+"""Exact solutions, and verification problems: an initial-boundary-value problem together with its exact solution."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -12,16 +12,16 @@ ExactField = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True)
 class ExactSolution:
-    """Closed-form fields of (X, t) with their source.
+    """Closed-form fields of (X, t), with their regularity and source.
 
     Parameters
     ----------
     fields : mapping of str to ExactField
-        Closed form by quantity, in the reference position X (at small strain X = x).
+        Closed form by quantity, as a function of the reference position X (at small strain X = x).
     citation : str
-        Where the formula comes from.
+        Source of the formulas.
     derivatives : float
-        Regularity: the number s of derivatives that every field has in L1; 1 for a jump, 2 for a kink, infinite when smooth.
+        Regularity: the number s of derivatives in L1 that every field has; 1 for a jump, 2 for a kink, infinite for smooth fields.
     """
 
     fields: Mapping[str, ExactField]
@@ -31,14 +31,14 @@ class ExactSolution:
 
 @dataclass(frozen=True)
 class VerificationProblem:
-    """A problem, its exact solution and the error that it exposes.
+    """A problem, its exact solution and the errors that it exposes.
 
     Parameters
     ----------
     problem : Problem
     exact : ExactSolution
     exposes : str
-        What error this problem exposes, one sentence.
+        The errors of a solver that this problem exposes, as one sentence.
     equations : tuple of str
         Governing equations, initial and boundary conditions and the closed form, each as LaTeX.
     """

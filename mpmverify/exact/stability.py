@@ -1,4 +1,4 @@
-"""Von Neumann limits of stability of the material point method in one dimension, at frozen positions away from the ends."""
+"""Von Neumann stability limits of the material point method in one dimension, for fixed particle positions away from the ends."""
 
 from functools import partial
 
@@ -9,11 +9,11 @@ from mpmverify.exact.dispersion import symbols
 from mpmverify.problem import Array
 
 SAMPLES = 2048
-"""Phase angles among which the least is looked for first."""
+"""Number of phase angles of the coarse search for the minimum."""
 
 
 def squared_limit(theta: Array, ppc: int, *, schedule: str, degree: int, terms: int = 0, full_mass: bool = True) -> Array:
-    """Square of the Courant number up to which the mode of a phase angle is stable (n,) [1].
+    """Return the square of the Courant number (n,) [1] up to which the mode of each phase angle is stable.
 
     Parameters
     ----------
@@ -22,31 +22,31 @@ def squared_limit(theta: Array, ppc: int, *, schedule: str, degree: int, terms: 
     ppc : int
         Particles per cell, at (i + 1/2)/ppc.
     schedule : {"USF", "USL", "MUSL"}
-        USL with a series.
+        Stress-update schedule; must be USL if `terms` is not 0.
     degree : {1, 2, 3}
-        Of the B-splines.
+        Degree of the B-splines.
     terms : int
-        k of FMPM(k) or XPIC(k), 1 for PIC; 0 for FLIP.
+        Number k of terms of FMPM(k) or XPIC(k), 1 for PIC; 0 for FLIP.
     full_mass : bool
-        Whether a series is that of FMPM.
+        Whether the series is FMPM, not XPIC; not used for FLIP.
 
     Notes
     -----
-    With A and D of `symbols`, and q = nu_C^2 D, a step multiplies velocity and strain by a matrix of trace T and determinant d; its
-    eigenvalues stay within the unit circle while d <= 1 and |T| <= 1 + d, of which -T <= 1 + d is the one that q breaks:
+    A and D are the `symbols` and q = nu_C^2 D. One step multiplies velocity and strain by a matrix of trace T and determinant d. Its
+    eigenvalues stay in the unit circle if d <= 1 and |T| <= 1 + d; as q grows, -T <= 1 + d is violated first:
 
-    - USL, FLIP: T = 2 - q, d = 1 - q (1 - A), hence q <= 4/(2 - A): dissipative;
-    - USF and MUSL, FLIP: T = 2 - A q, d = 1, hence q <= 4/A: conserving;
+    - USL, FLIP: T = 2 - q, d = 1 - q (1 - A), hence q <= 4/(2 - A); dissipative;
+    - USF and MUSL, FLIP: T = 2 - A q, d = 1, hence q <= 4/A; energy-conserving;
     - USL, FMPM(k): w <- R (A w - q e), e <- e + w, with R = [1 - (1 - A)^k]/A: T = 1 + R A - R q, d = R A, hence
       q <= 2 (1 + R A)/R;
-    - USL, XPIC(k): w <- R A w - A q e, e <- e + (w - q e) from the old values: T = 1 + R A - q, d = R A - q A (R - 1), hence
+    - USL, XPIC(k): w <- R A w - A q e, e <- e + (w - q e), both from the old values: T = 1 + R A - q, d = R A - q A (R - 1), hence
       q <= 2 (1 + R A)/[1 + A (R - 1)].
 
     References
     ----------
     Bardenhagen S. G. (2002). Energy conservation error in the material point method for solid mechanics. Journal of
-    Computational Physics 180(1), 383-403, https://doi.org/10.1006/jcph.2002.7103, for what the schedules do to the energy; the
-    limits are derived in the notes.
+    Computational Physics 180(1), 383-403, https://doi.org/10.1006/jcph.2002.7103, on the energy of the schedules. The limits are own
+    derivations, given in the notes.
     """
     A, D = symbols(theta, ppc, degree)
     with np.errstate(divide="ignore"):
@@ -57,17 +57,21 @@ def squared_limit(theta: Array, ppc: int, *, schedule: str, degree: int, terms: 
 
 
 def courant_limit(ppc: int, *, schedule: str, degree: int, terms: int = 0, full_mass: bool = True) -> float:
-    """Courant number up to which every mode is stable [1]; parameters as of `squared_limit`."""
-    of = partial(squared_limit, ppc=ppc, schedule=schedule, degree=degree, terms=terms, full_mass=full_mass)
+    """Return the Courant number up to which every mode is stable [1]; for the parameters see `squared_limit`."""
+    squared = partial(squared_limit, ppc=ppc, schedule=schedule, degree=degree, terms=terms, full_mass=full_mass)
     theta = np.pi * np.arange(1, SAMPLES + 1) / SAMPLES
-    least, width = theta[np.argmin(of(theta))], np.pi / SAMPLES
-    # The limit repeats itself beyond pi, mirrored: a least value at pi is an inner one.
-    found = minimize_scalar(lambda t: float(of(np.array([t]))[0]), bounds=(least - width, least + width), method="bounded")
-    return float(np.sqrt(min(found.fun, of(theta).min())))
+    nearest, width = theta[np.argmin(squared(theta))], np.pi / SAMPLES
+    # The limit is symmetric about pi, so the bracket may extend beyond it.
+    found = minimize_scalar(
+        lambda t: float(squared(np.array([t]))[0]), bounds=(nearest - width, nearest + width), method="bounded"
+    )
+    return float(np.sqrt(min(found.fun, squared(theta).min())))
 
 
 BASES = {"linear": 1, "quadratic": 2, "cubic": 3}
+"""Degree of the B-splines by basis."""
 TRANSFERS = {"flip": (0, False), "pic": (1, False), "xpic2": (2, False), "fmpm2": (2, True), "fmpm4": (4, True)}
+"""`terms` and `full_mass` by transfer."""
 LIMITS = {
     f"mpm-tl-{basis}-{schedule.lower()}-{transfer}": partial(
         courant_limit, schedule=schedule, degree=degree, terms=terms, full_mass=full_mass
@@ -76,4 +80,4 @@ LIMITS = {
     for transfer, (terms, full_mass) in TRANSFERS.items()
     for schedule in (("USL",) if terms else ("USF", "USL", "MUSL"))
 }
-"""Limit by scheme, a function of the particles per cell."""
+"""Stability limit by solver name, as a function of the particles per cell."""

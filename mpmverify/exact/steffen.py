@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.exact.motion import FieldOf, deformed, fields_of
+from mpmverify.exact.motion import FieldOf, fields_of, initial_deformation
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Constant, NeoHookean, Problem, Velocity
 
@@ -25,7 +25,7 @@ class FullWave:
     amplitude : float
         A [m].
     material : NeoHookean
-        Without a Poisson's ratio; c = sqrt(E/rho).
+        Material with nu = 0; c = sqrt(E/rho).
     """
 
     amplitude: float
@@ -44,12 +44,12 @@ class FullWave:
         return rate * np.sin(2 * np.pi * X[None])
 
     def gradient(self, X: Array, t: Array) -> Array:
-        """H = 2 pi A cos(2 pi X) cos(c pi t) (T, P, 1, 1) [1]."""
+        """Return H = 2 pi A cos(2 pi X) cos(c pi t) (T, P, 1, 1) [1]."""
         slope = 2 * np.pi * self.amplitude * np.cos(2 * np.pi * X[None]) * np.cos(self.frequency * t[:, None, None])
         return slope[..., None]
 
     def force(self, X: Array, t: Array) -> Array:
-        """Body force b = c^2 pi^2 u (1 + 2/F^2) (T, P, 1) [m/s^2]."""
+        """Return the body force b = c^2 pi^2 u (1 + 2/F^2) (T, P, 1) [m/s^2]."""
         F = 1 + self.gradient(X, t)[..., 0]
         return self.frequency**2 * self.displacement(X, t) * (1 + 2 / F**2)
 
@@ -71,14 +71,14 @@ def steffen(
     youngs_modulus, density : float
         E [Pa], rho [kg/m^3].
     periods : float
-        Final time in periods 2/c; at 1.1 neither displacement nor velocity is near zero.
+        Final time in periods 2/c. At 1.1 periods neither displacement nor velocity is near zero.
     outputs : int
         Number of output intervals.
 
     Raises
     ------
     UsageError
-        If 2 pi |A| >= 1, where the bar would turn inside out, or A is zero.
+        If A is zero, or 2 pi |A| >= 1, where F would not stay positive.
 
     References
     ----------
@@ -97,7 +97,7 @@ def steffen(
             material=motion.material,
             boundary={"x-": fixed, "x+": fixed},
             end_time=periods * 2 * math.pi / motion.frequency,
-            initial=deformed(motion),
+            initial=initial_deformation(motion),
             body_force=FieldOf(motion, "force"),
             outputs=outputs,
         ),

@@ -1,4 +1,4 @@
-"""Axial vibration of a bar in one of its eigenmodes."""
+"""Axial vibration of an elastic bar in one eigenmode."""
 
 import math
 from collections.abc import Mapping
@@ -31,14 +31,14 @@ class SineField:
 
 @dataclass(frozen=True)
 class Mode:
-    """One eigenmode; its fields take (P, 1) [m], (T,) [s] -> (T, P, 1).
+    """One eigenmode; its fields, the subclasses, map (P, 1) [m], (T,) [s] -> (T, P, 1).
 
     Parameters
     ----------
     v0 : float
         Velocity amplitude [m/s].
     wavenumber : float
-        beta [1/m].
+        beta [rad/m].
     wave_speed : float
         c [m/s].
     """
@@ -48,13 +48,13 @@ class Mode:
     wave_speed: float
 
     def phases(self, X: Array, t: Array) -> tuple[Array, Array]:
-        """Beta x (1, P, 1) and beta c t (T, 1, 1) [rad]."""
+        """Return beta x (1, P, 1) and beta c t (T, 1, 1) [rad]."""
         return self.wavenumber * X[None], self.wavenumber * self.wave_speed * t[:, None, None]
 
 
 @dataclass(frozen=True)
 class ModeDisplacement(Mode):
-    """u = v0/(beta c) sin(beta c t) sin(beta x) [m]."""
+    """Displacement u = v0/(beta c) sin(beta c t) sin(beta x) [m]."""
 
     def __call__(self, X: Array, t: Array) -> Array:
         bx, bct = self.phases(X, t)
@@ -63,7 +63,7 @@ class ModeDisplacement(Mode):
 
 @dataclass(frozen=True)
 class ModeVelocity(Mode):
-    """v = v0 cos(beta c t) sin(beta x) [m/s]."""
+    """Velocity v = v0 cos(beta c t) sin(beta x) [m/s]."""
 
     def __call__(self, X: Array, t: Array) -> Array:
         bx, bct = self.phases(X, t)
@@ -72,7 +72,7 @@ class ModeVelocity(Mode):
 
 @dataclass(frozen=True)
 class ModeStress(Mode):
-    """sigma = E v0/c sin(beta c t) cos(beta x) [Pa]; E in Pa."""
+    """Stress sigma = E v0/c sin(beta c t) cos(beta x) [Pa]; E in Pa."""
 
     youngs_modulus: float
 
@@ -81,13 +81,13 @@ class ModeStress(Mode):
         return self.youngs_modulus * self.v0 / self.wave_speed * np.sin(bct) * np.cos(bx)
 
 
-FIXED, FREE, JOINED = Velocity(Constant(0.0)), Traction(Constant(0.0)), Periodic()
-FAMILIES: Mapping[str, tuple[BoundaryCondition, BoundaryCondition, float, float, str, str]] = {
+FIXED, FREE, PERIODIC = Velocity(Constant(0.0)), Traction(Constant(0.0)), Periodic()
+END_CONDITIONS: Mapping[str, tuple[BoundaryCondition, BoundaryCondition, float, float, str, str]] = {
     "fixed-fixed": (FIXED, FIXED, 1, 0.0, r"u(0,t) = 0, \quad u(L,t) = 0", r"\frac{n\pi}{L}"),
     "fixed-free": (FIXED, FREE, 1, -0.5, r"u(0,t) = 0, \quad \sigma(L,t) = 0", r"\frac{(2n-1)\pi}{2L}"),
-    "periodic": (JOINED, JOINED, 2, 0.0, r"u(0,t) = u(L,t), \quad \sigma(0,t) = \sigma(L,t)", r"\frac{2n\pi}{L}"),
+    "periodic": (PERIODIC, PERIODIC, 2, 0.0, r"u(0,t) = u(L,t), \quad \sigma(0,t) = \sigma(L,t)", r"\frac{2n\pi}{L}"),
 }
-"""By ends: conditions at x = 0 and L, a and b of the a n + b half waves of mode n, the conditions and beta as LaTeX."""
+"""By ends: conditions at x = 0 and L; a and b, where mode n has a n + b half waves; the conditions and beta as LaTeX."""
 
 
 def axial_vibration(
@@ -102,24 +102,25 @@ def axial_vibration(
     outputs: int = 32,
     exposes: str = "Drift of the energy, phase error and damping over many steps.",
 ) -> VerificationProblem:
-    """Bar, fixed at x = 0 or closed to a ring, that starts with a velocity in the shape of an eigenmode.
+    """Undeformed bar, fixed at x = 0 or periodic, with the initial velocity of an eigenmode.
 
-    The default set is the one of the literature, with a strain amplitude v0/c of 1 %: a code of large deformation needs a
-    smaller v0 to converge to this linear solution.
+    The defaults are those of the literature, with a strain amplitude v0/c of 1 %. A code for large deformation needs a smaller v0
+    to converge to this linear solution.
 
     Parameters
     ----------
     mode : int
-        n; beta = n pi/L (fixed-fixed), (2n - 1) pi/(2L) (fixed-free) or 2n pi/L (periodic).
+        Number n of the mode: beta = n pi/L (fixed-fixed), (2n - 1) pi/(2L) (fixed-free) or 2n pi/L (periodic).
     ends : {"fixed-fixed", "fixed-free", "periodic"}
+        Conditions at x = 0 and x = L.
     length, youngs_modulus, density, v0 : float
         L [m], E [Pa], rho [kg/m^3], velocity amplitude [m/s].
     periods : float
-        Final time in periods 2 pi/(beta c); at 1.1 neither displacement nor velocity is near zero.
+        Final time in periods 2 pi/(beta c). At 1.1 periods neither displacement nor velocity is near zero.
     outputs : int
         Number of output intervals.
     exposes : str
-        What error the problem is there to expose, one sentence.
+        The errors that the problem exposes, as one sentence.
 
     Raises
     ------
@@ -133,9 +134,9 @@ def axial_vibration(
     Tielen R., Wobbes E., Möller M., Beuth L. (2017). A high order material point method. Procedia Engineering 175, 265-272,
     https://doi.org/10.1016/j.proeng.2017.01.022
     """
-    if mode < 1 or ends not in FAMILIES:
-        raise UsageError(f"axial vibration needs mode >= 1 and ends {', '.join(FAMILIES)}, not {mode!r} and {ends!r}")
-    near, far, factor, offset, conditions, latex = FAMILIES[ends]
+    if mode < 1 or ends not in END_CONDITIONS:
+        raise UsageError(f"axial vibration needs mode >= 1 and ends {', '.join(END_CONDITIONS)}, not {mode!r} and {ends!r}")
+    near, far, factor, offset, conditions, latex = END_CONDITIONS[ends]
     material = LinearElastic(youngs_modulus, density)
     c, beta = material.wave_speed, (factor * mode + offset) * math.pi / length
     return VerificationProblem(

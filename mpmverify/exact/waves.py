@@ -1,4 +1,4 @@
-"""Waves as closed forms see them: roots of a damped oscillation, and the position of a front; NaN poisons all."""
+"""Root of a damped oscillation, and positions of fronts and jumps. A value that is not finite gives NaN."""
 
 import math
 from collections.abc import Callable
@@ -8,8 +8,8 @@ import numpy as np
 from mpmverify.problem import Array
 
 
-def oscillation(trace: Array, determinant: Array) -> np.ndarray:
-    """Root of z^2 - trace z + determinant: that of positive imaginary part, or the real one of greater magnitude."""
+def oscillating_root(trace: Array, determinant: Array) -> np.ndarray:
+    """Return the root of z^2 - trace z + determinant with positive imaginary part, or the real root of larger magnitude."""
     half = np.asarray(trace, dtype=float) / 2
     discriminant = half**2 - determinant
     real = half + np.copysign(np.sqrt(np.maximum(discriminant, 0)), half)
@@ -17,10 +17,24 @@ def oscillation(trace: Array, determinant: Array) -> np.ndarray:
 
 
 def front(position: Array, values: Array, level: float) -> float:
-    """Position at which samples (P,) cross a level [m]: the middle one of all crossings, linear between the points.
+    """Return the position [m] at which samples (P,) cross a level: the middle crossing, interpolated linearly.
 
-    Samples before a front and behind it lie on different sides of the level halfway up; oscillations that reach it cross it
-    forth and back, as often on one side as on the other. NaN when both ends lie on one side, or something is not finite.
+    The samples at the two ends must lie on different sides of the level. Oscillations around the front that reach the level add
+    crossings in pairs, so the middle crossing is that of the front.
+
+    Parameters
+    ----------
+    position : Array
+        Positions (P,) [m], in any order.
+    values : Array
+        Samples (P,).
+    level : float
+        Level half-way up the front.
+
+    Returns
+    -------
+    float
+        NaN if both ends lie on the same side of the level, or a value is not finite.
     """
     if not (np.all(np.isfinite(position)) and np.all(np.isfinite(values)) and math.isfinite(level)):
         return math.nan
@@ -34,16 +48,19 @@ def front(position: Array, values: Array, level: float) -> float:
 
 
 def jump(field: Callable[[Array], Array], position: Array) -> tuple[float, float]:
-    """Position [m] and middle level of the greatest jump of a known profile between neighbouring points (P,).
+    """Return the position [m] and the mean of both sides of the largest jump of a profile between neighbouring points.
 
     Parameters
     ----------
     field : callable
-        Positions (n,) [m] -> values (n,).
+        Profile: positions (n,) [m] -> values (n,).
+    position : Array
+        Points (P,) [m], in any order.
 
-    Notes
-    -----
-    The position is bisected to 2^-45 of the spacing. NaN when the profile is constant or not finite.
+    Returns
+    -------
+    (float, float)
+        Position, by bisection to 2^-45 of the spacing, and level; NaN if the profile is constant or not finite.
     """
     x = np.sort(position)
     values = field(x)

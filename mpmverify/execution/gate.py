@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mpmverify.criteria.evidence import evidence_by_series
-from mpmverify.dataset.study import StoredStudy, damage, read_study
+from mpmverify.dataset.study import StoredStudy, parsing, read_study
 from mpmverify.errors import ResultsError
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.findings import Finding
@@ -61,6 +61,6 @@ def accept(baseline: Baseline, paths: Sequence[Path], reason: str) -> int:
     for stored in studies:
         evidence = evidence_by_series(stored.levels)
         count += baseline.accept_study(stored.name, stored.declared, evidence)
-    with damage(paths[0]):
+    with parsing(paths[0]):
         baseline.log(studies[0].attributes, reason)
     return count

@@ -1,7 +1,7 @@
-"""What a solver may see: the initial-boundary-value problem and its discretisation.
+"""Initial-boundary-value problems and their discretisation: all that a solver may see.
 
-Here belong problems, materials, shapes, boundary conditions, quantities with their units, and discretisations. Exact solutions,
-norms, results and solvers do not: a solver imports this room, and never sees its answer.
+Problems, materials, shapes, boundary conditions, quantities with their units, and discretisations belong here. Exact solutions,
+norms, results and solvers do not: solvers import this package, and must not see the exact solution.
 """
 
 from mpmverify.problem.boundary import (

@@ -1,4 +1,7 @@
-"""Data in time, and the boundary conditions that hold them, one for each face of a box."""
+"""Boundary conditions, one for each face of the box, and the functions of time that they prescribe.
+
+A tensile traction is positive. Statements about the shear traction apply in two and three dimensions.
+"""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -9,7 +12,7 @@ from mpmverify.problem.quantities import Array
 
 
 class History(Protocol):
-    """A datum in time, with its integral from 0: both (T,) -> (T,)."""
+    """A function of time [s] with its integral from 0; both map (T,) -> (T,)."""
 
     def __call__(self, t: Array) -> Array: ...
 
@@ -29,10 +32,6 @@ class Constant:
         return self.value * np.asarray(t, dtype=float)
 
 
-# Boundary conditions, one per face of the box; a tensile traction is positive. What is said of the shear traction holds in two
-# and three dimensions.
-
-
 @dataclass(frozen=True)
 class Traction:
     """Prescribed normal traction p(t) [Pa] and no shear traction; `Constant(0)` is a free surface."""
@@ -49,29 +48,29 @@ class Velocity:
 
 @dataclass(frozen=True)
 class Fixed:
-    """No component of the velocity: clamped."""
+    """Clamped: every component of the velocity is zero."""
 
 
 @dataclass(frozen=True)
 class Absorbing:
-    """No incoming characteristic."""
+    """Non-reflecting face: the incoming characteristic is zero."""
 
 
 @dataclass(frozen=True)
 class Inflow:
-    """Prescribed value of the transported scalar where the velocity points inwards."""
+    """Prescribed value of the transported scalar, at a face where the velocity points into the box."""
 
     value: History = Constant()
 
 
 @dataclass(frozen=True)
 class Outflow:
-    """Nothing prescribed: the transported scalar leaves."""
+    """No prescribed value: the transported scalar leaves the box."""
 
 
 @dataclass(frozen=True)
 class Periodic:
-    """Joined to the opposite face."""
+    """Identified with the opposite face."""
 
 
 BoundaryCondition = Traction | Velocity | Fixed | Absorbing | Inflow | Outflow | Periodic

@@ -1,4 +1,4 @@
-"""What a body is made of: parameters and the speeds of its waves. Every solver family has its own constitutive law."""
+"""Materials: their parameters and wave speeds. Each solver family implements the constitutive laws for itself."""
 
 import math
 from dataclasses import dataclass, field
@@ -34,7 +34,7 @@ class Transport:
 
 @dataclass(frozen=True)
 class LinearElastic:
-    """Isotropic linear elasticity at small strain, sigma = 2 G eps + lambda tr(eps) I; plane strain in two dimensions.
+    """Isotropic linear elasticity at small strain, sigma = 2 mu eps + lambda tr(eps) I; plane strain in two dimensions.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class LinearElastic:
     density : float
         Reference density rho0 [kg/m^3].
     poissons_ratio : float
-        nu [1]; 0 makes a one-dimensional body a slender bar.
+        nu [1]; with nu = 0 a one-dimensional body, which is strained uniaxially, behaves as a slender bar.
 
     Raises
     ------
@@ -70,21 +70,21 @@ class LinearElastic:
 
     @property
     def wave_speed(self) -> float:
-        """Speed of P waves where the body is unstrained, the fastest there is [m/s]."""
+        """Speed of P waves in the undeformed body [m/s], the largest wave speed there."""
         return math.sqrt((self.lame_lambda + 2 * self.shear_modulus) / self.density)
 
     @property
     def shear_wave_speed(self) -> float:
-        """Speed of S waves where the body is unstrained [m/s]."""
+        """Speed of S waves in the undeformed body [m/s]."""
         return math.sqrt(self.shear_modulus / self.density)
 
 
 @dataclass(frozen=True)
 class PlaneStress(LinearElastic):
-    """Linear elasticity of a thin plate in its plane, where sigma_zz = 0; of a strip with eps_yy = 0 in one dimension.
+    """Linear elasticity in plane stress, sigma_zz = 0: a thin plate in two dimensions, a strip with eps_yy = 0 in one.
 
-    The law in the plane is that of `LinearElastic` with `lame_lambda` = 2 lambda mu/(lambda + 2 mu) = E nu/(1 - nu^2). There is
-    none in three dimensions.
+    The in-plane law is that of `LinearElastic` with `lame_lambda` = 2 lambda mu/(lambda + 2 mu) = E nu/(1 - nu^2). Plane stress does
+    not exist in three dimensions.
     """
 
     @property
@@ -94,15 +94,15 @@ class PlaneStress(LinearElastic):
 
 @dataclass(frozen=True)
 class KelvinVoigt(LinearElastic):
-    """Elastic and viscous stress side by side at small strain, sigma = C : (eps + theta eps_dot).
+    """Kelvin-Voigt viscoelasticity at small strain, spring and dashpot in parallel: sigma = C : (eps + theta eps_dot).
 
-    All waves are damped with the one retardation time theta = eta/(lambda + 2 mu); in one dimension sigma is
-    (lambda + 2 mu) eps + eta eps_dot.
+    P and S waves have the same retardation time theta = eta/(lambda + 2 mu). In one dimension
+    sigma = (lambda + 2 mu) eps + eta eps_dot.
 
     Parameters
     ----------
     viscosity : float
-        eta of uniaxial strain [Pa s].
+        Viscosity eta in uniaxial strain [Pa s].
 
     Raises
     ------
@@ -111,8 +111,8 @@ class KelvinVoigt(LinearElastic):
 
     Notes
     -----
-    The viscosity shortens the step of an explicit scheme that takes eps_dot half a step late: stable up to
-    omega dt/2 = sqrt(1 + xi^2) - xi, where xi = theta omega/2 belongs to the highest frequency omega of the grid.
+    The viscosity lowers the stable time step of an explicit scheme that evaluates eps_dot half a step late: the limit is
+    omega dt/2 = sqrt(1 + xi^2) - xi, with the damping ratio xi = theta omega/2 of the highest frequency omega of the grid.
     """
 
     viscosity: float = field(kw_only=True)
@@ -124,18 +124,18 @@ class KelvinVoigt(LinearElastic):
 
     @property
     def retardation_time(self) -> float:
-        """Theta [s]."""
+        """Retardation time theta = eta/(lambda + 2 mu) [s]."""
         return self.viscosity / (self.lame_lambda + 2 * self.shear_modulus)
 
 
 @dataclass(frozen=True)
 class Maxwell(LinearElastic):
-    """Elastic and viscous strain one after the other at small strain, sigma_dot = C : eps_dot - sigma/tau.
+    """Maxwell viscoelasticity at small strain, spring and dashpot in series: sigma_dot = C : eps_dot - sigma/tau.
 
     Parameters
     ----------
     relaxation_time : float
-        tau [s], of all components of the stress.
+        tau [s], the same for all components of the stress.
 
     Raises
     ------
@@ -155,31 +155,34 @@ class Maxwell(LinearElastic):
 
 @dataclass(frozen=True)
 class NeoHookean(LinearElastic):
-    """Compressible neo-Hookean body; parameters as at small strain.
+    """Compressible neo-Hookean law; E and nu are the moduli at small strain.
 
     Notes
     -----
-    W = mu/2 (tr F^T F - 3 - 2 ln J) + lambda/2 (ln J)^2 per reference volume, so that
+    The energy per reference volume is W = mu/2 (tr F^T F - 3 - 2 ln J) + lambda/2 (ln J)^2, so that
 
         P = lambda ln(J) F^-T + mu (F - F^-T),    sigma = [lambda ln(J) I + mu (F F^T - I)]/J,
 
-    in plane strain with F_33 = 1. In one dimension, where strain is uniaxial, both are lambda ln(F)/F + mu (F - 1/F).
+    with F_33 = 1 in plane strain. In one dimension, where the strain is uniaxial, both are lambda ln(F)/F + mu (F - 1/F).
     """
 
 
 @dataclass(frozen=True)
 class NeoHookeanSplit(LinearElastic):
-    """Neo-Hookean body of uncoupled volume and shape: W = K/2 [(J^2 - 1)/2 - ln J] + mu/2 (J^(-2/3) tr b - 3)."""
+    """Neo-Hookean law with a volumetric-isochoric split: W = K/2 [(J^2 - 1)/2 - ln J] + mu/2 (J^(-2/3) tr b - 3)."""
 
 
 @dataclass(frozen=True)
 class Hencky(LinearElastic):
-    """Linear elasticity in the logarithmic strain, J sigma = lambda ln J I + mu ln b; parameters as at small strain."""
+    """Linear elasticity in the logarithmic strain, J sigma = lambda ln J I + mu ln b; E and nu are the moduli at small strain."""
 
 
 @dataclass(frozen=True)
 class SaintVenantKirchhoff(LinearElastic):
-    """Linear elasticity in Green's strain, S = lambda tr(E) I + 2 mu E; in uniaxial compression it bears most at F = 1/sqrt(3)."""
+    """Linear elasticity in the Green-Lagrange strain, S = lambda tr(E) I + 2 mu E.
+
+    In uniaxial strain the compressive nominal stress is largest at F = 1/sqrt(3); below that stretch the body softens.
+    """
 
 
 @dataclass(frozen=True)

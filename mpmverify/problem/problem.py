@@ -1,4 +1,4 @@
-"""The initial-boundary-value problem as a solver may see it, and how it is discretised."""
+"""The initial-boundary-value problem as a solver sees it, without its exact solution."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.problem.boundary import (
-    BoundaryCondition,
-)
+from mpmverify.problem.boundary import BoundaryCondition
 from mpmverify.problem.material import Material
 from mpmverify.problem.quantities import UNITS, Array, components
 from mpmverify.problem.shapes import Block, Shape, touching
@@ -28,7 +26,8 @@ class Spatial:
     Parameters
     ----------
     force : callable
-        Current positions (P, dim) [m], times (T,) [s] -> acceleration (T, P, dim) [m/s^2]. On joined axes positions run on.
+        Current positions (P, dim) [m], times (T,) [s] -> acceleration (T, P, dim) [m/s^2]. Along periodic axes a position is not
+        wrapped back into the box.
     """
 
     force: BodyForce
@@ -36,36 +35,36 @@ class Spatial:
 
 @dataclass(frozen=True)
 class Problem:
-    """An initial-boundary-value problem on a box, in plane strain where it has two dimensions.
+    """An initial-boundary-value problem on a box; in two dimensions plane strain, unless the material is in plane stress.
 
     Parameters
     ----------
     name : str
-        Identifies the problem in files and pages.
+        Identifies the problem in files and reports.
     lower, upper : tuple of float
         Corners of the box, one entry per dimension [m].
     material : Material
-        Of the body.
+        Material of the body, or of all bodies.
     boundary : mapping of str to BoundaryCondition
         One condition for each of the faces "x-", "x+", "y-", ...
     end_time : float
         Final time [s]; the problem starts at 0.
     initial : mapping of str to Field
-        Initial fields by quantity, one of those of `Solution`; an absent one is zero. A body that is strained at first has its
-        displacement, its displacement gradient and its stress.
+        Initial fields by quantity, see `Solution`; a quantity that is not given is zero. For a body that starts deformed, give
+        displacement, displacement gradient and stress.
     body_force : BodyForce or Spatial, optional
-        In material coordinates, or in spatial ones [m/s^2].
+        Acceleration [m/s^2] as a function of reference positions, or of current positions (`Spatial`).
     outputs : int
         Number of output intervals; a solver that takes fewer steps returns every step.
     shape : Shape, optional
-        What the body fills of the box at first, all of it by default. Its surface is free but where it touches a face of the box.
-        Several bodies are of one material, and where a solver knows of no contact they move as one where they meet.
+        Initial shape of the body; by default it fills the box. Its surface is traction-free except where it touches a face of the
+        box. Several bodies have one material; a solver without contact moves them as one body where they meet.
 
     Raises
     ------
     UsageError
-        If the box is empty, a face lacks its condition, the final time is not positive and finite, there is no output interval, an
-        initial quantity is unknown, or the shape does not lie in the box.
+        If the box is empty or has more than three dimensions, a face has no boundary condition, the final time is not positive and
+        finite, `outputs` is less than 1, an initial quantity is unknown, or the shape does not lie in the box.
     """
 
     name: str
@@ -86,16 +85,14 @@ class Problem:
             raise UsageError(f"problem {self.name!r}: there must be at least 1 output interval, not {self.outputs!r}")
         ordered = all(lo < hi for lo, hi in zip(self.lower, self.upper, strict=False))
         if not (ordered and 1 <= len(self.lower) == len(self.upper) <= 3):
-            raise UsageError(
-                f"problem {self.name!r}: give the box a side, at most three, and upper bounds above its lower bounds"
-            )
+            raise UsageError(f"problem {self.name!r}: give the box one to three sides, and upper bounds above its lower bounds")
         faces = {axis + side for axis in "xyz"[: self.dimension] for side in "-+"}
         if set(self.boundary) != faces:
             raise UsageError(f"problem {self.name!r}: give one boundary condition for each of {', '.join(sorted(faces))}")
         if unknown := sorted(self.initial.keys() - UNITS.keys()):
             raise UsageError(f"problem {self.name!r}: the initial {unknown[0]!r} is unknown: known are {', '.join(UNITS)}")
         if self.shape is not None and not self.shape.within(self.lower, self.upper):
-            raise UsageError(f"problem {self.name!r}: {self.shape!r} must lie in a box of its dimension: enlarge or move it")
+            raise UsageError(f"problem {self.name!r}: {self.shape!r} must lie in the box, in its dimension: move or replace it")
 
     @property
     def dimension(self) -> int:
@@ -107,17 +104,17 @@ class Problem:
 
     @property
     def measure(self) -> float:
-        """Length, area or volume of the body at first [m^dim]."""
+        """Initial length, area or volume of the body [m^dim]."""
         return math.prod(self.lengths) if self.shape is None else self.shape.measure
 
     def touched(self, face: str) -> list[Block]:
-        """Blocks of the body that lie against a face of the box, all of it where the body has no shape."""
+        """Return the blocks with a side on a face of the box; without a shape, the body is one block that fills the box."""
         axis = "xyz".index(face[0])
         bodies = (Block(self.lower, self.upper),) if self.shape is None else self.shape.bodies
         return touching(bodies, axis, (self.lower if face[1] == "-" else self.upper)[axis])
 
     def initial_field(self, quantity: str, points: Array) -> Array:
-        """Initial values of a quantity at reference positions (P, dim), (P, components)."""
+        """Return the initial values of a quantity, (P, components), at reference positions (P, dim) [m]."""
         shape = len(points), len(components(quantity, self.dimension))
         if quantity in self.initial:
             return np.asarray(self.initial[quantity](points), dtype=float).reshape(shape)
@@ -125,6 +122,6 @@ class Problem:
 
 
 def require(condition: Any, solver: str, problem: Problem, what: str) -> None:
-    """Raise a `UsageError` when a solver cannot take a problem, and say what it can take."""
+    """Raise a `UsageError` that says `what` the solver accepts, unless the condition holds."""
     if not condition:
         raise UsageError(f"solver {solver!r} cannot solve {problem.name!r}: it takes {what}")

@@ -18,26 +18,27 @@ UNITS: Mapping[str, str] = {
 """Unit of every field that a solver may return (UDUNITS spelling)."""
 
 SYMMETRIC: Mapping[int, tuple[str, ...]] = {2: ("xx", "yy", "xy"), 3: ("xx", "yy", "zz", "xy", "yz", "zx")}
-"""Order of the components of a symmetric tensor, by dimension."""
+"""Order of the independent components of a symmetric tensor, by dimension."""
 VECTORS = ("reference", "position", "displacement", "velocity", "momentum", "impulse")
 
 
 def components(quantity: str, dimension: int) -> tuple[str, ...]:
-    """Names of the components of a field or history, in their order; its own name where it has but one.
+    """Return the names of the components of a field or history, in their order.
 
     Parameters
     ----------
     quantity : str
-        Vectors are those of `VECTORS`; "stress" is a symmetric tensor, in plane strain without its
-        out-of-plane component; "displacement_gradient" is the tensor du_i/dX_j, row by row; all else is a scalar,
-        angular momentum in the plane too.
+        A name in `VECTORS` is a vector; "stress" is a symmetric tensor, in plane strain without its out-of-plane component;
+        "displacement_gradient" is the tensor du_i/dX_j, row by row; "angular_momentum" is a vector in three dimensions and a scalar
+        in two; every other quantity is a scalar.
     dimension : {1, 2, 3}
-        Of the body.
+        Dimension of the body.
 
     Returns
     -------
     tuple of str
-        In two dimensions "velocity_x", "velocity_y"; "stress_xx", "stress_yy", "stress_xy".
+        In two dimensions ("velocity_x", "velocity_y") or ("stress_xx", "stress_yy", "stress_xy"); the quantity's own name if it has
+        one component.
     """
     axes = "xyz"[:dimension]
     if dimension == 1:
@@ -52,23 +53,23 @@ def components(quantity: str, dimension: int) -> tuple[str, ...]:
 
 
 def multiplicity(quantity: str, dimension: int) -> Array:
-    """How often each component stands in the full tensor, (components,): 2 off the diagonal of a symmetric one, else 1."""
+    """Return how often each component occurs in the full tensor, (components,): 2 for shear components of the stress, else 1."""
     names = components(quantity, dimension)
     twice = quantity == "stress" and dimension > 1
     return np.array([2.0 if twice and name[-1] != name[-2] else 1.0 for name in names])
 
 
 def unit(base: str, metres: int, rest: str = "") -> str:
-    """Return "kg m-1 s-1" for ("kg", -1, "s-1")."""
+    """Join a unit from its parts: ("kg", -1, "s-1") gives "kg m-1 s-1"."""
     length = "" if metres == 0 else "m" if metres == 1 else f"m{metres}"
     return " ".join(part for part in (base, length, rest) if part)
 
 
 def history_units(dimension: int, *, transported: bool = False) -> dict[str, str]:
-    """Units of all histories that a solver may return, by the names of their components.
+    """Return the units of all histories that a solver may return, by the names of their components.
 
-    Those of a body are per unit cross-section in one dimension, per unit thickness in two and of the whole body in three; the mass
-    of a transported scalar, which has no unit, is its integral over the box.
+    Histories of a body are per unit cross-section in one dimension, per unit thickness in two and of the whole body in three. For a
+    `transported` scalar u [1], the mass is the integral of u over the box.
     """
     power = dimension - 3
     table = {

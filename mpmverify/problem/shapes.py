@@ -1,4 +1,4 @@
-"""Shapes of bodies that do not fill their box."""
+"""Shapes of bodies that do not fill their box: disks, rings, blocks and sets of them."""
 
 import itertools
 import math
@@ -13,19 +13,19 @@ from mpmverify.problem.quantities import Array
 
 @dataclass(frozen=True)
 class Disk:
-    """What lies within a circle, its edge included.
+    """A closed disk.
 
     Parameters
     ----------
     center : (float, float)
-        [m].
+        Centre [m].
     radius : float
-        [m].
+        Radius [m].
 
     Raises
     ------
     UsageError
-        If the centre is not finite and in the plane, or the radius is not positive and finite.
+        If the centre has not two finite coordinates, or the radius is not positive and finite.
     """
 
     center: tuple[float, float]
@@ -33,7 +33,7 @@ class Disk:
 
     def __post_init__(self) -> None:
         if not (_in_plane(self.center) and 0 < self.radius < math.inf):
-            raise UsageError(f"a disk needs two finite coordinates of its center and a positive, finite radius: {self!r}")
+            raise UsageError(f"a disk needs a center of two finite coordinates and a positive, finite radius, not {self!r}")
 
     @property
     def bodies(self) -> "tuple[Body, ...]":
@@ -53,33 +53,33 @@ class Disk:
         return math.pi * self.radius**2
 
     def within(self, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
-        """Whether the body lies in a box of these corners [m]; it may touch its faces."""
-        return _within(_around(self), lower, upper)
+        """Whether the body lies in the box between these corners [m]; it may touch the faces."""
+        return _within(_bounding_block(self), lower, upper)
 
     def contains(self, X: Array) -> NDArray[np.bool_]:
-        """Whether points (P, 2) [m] belong to the body, (P,)."""
+        """Return whether each point (P, 2) [m] belongs to the body, (P,)."""
         return _distance(X, self.center) <= self.radius
 
     def parts(self, lower: Array, upper: Array) -> tuple[Array, Array]:
-        """Areas (B,) [m^2] and centroids (B, 2) [m] of what lies in boxes of these corners (B, 2) [m]."""
-        return _parts(self.center, *_moments(self.radius, lower - self.center, upper - self.center))
+        """Return areas (B,) [m^2] and centroids (B, 2) [m] of the body's intersection with boxes between corners (B, 2) [m]."""
+        return _centroids(self.center, *_moments(self.radius, lower - self.center, upper - self.center))
 
 
 @dataclass(frozen=True)
 class Ring:
-    """What lies between two concentric circles, its edges included.
+    """A closed ring between two concentric circles.
 
     Parameters
     ----------
     center : (float, float)
-        [m].
+        Centre [m].
     inner, outer : float
         Radii [m].
 
     Raises
     ------
     UsageError
-        If the centre is not finite and in the plane, or not 0 < inner < outer < infinity.
+        If the centre has not two finite coordinates, or 0 < inner < outer < infinity does not hold.
     """
 
     center: tuple[float, float]
@@ -88,7 +88,7 @@ class Ring:
 
     def __post_init__(self) -> None:
         if not (_in_plane(self.center) and 0 < self.inner < self.outer < math.inf):
-            raise UsageError(f"a ring needs two finite coordinates of its center and radii 0 < inner < outer: {self!r}")
+            raise UsageError(f"a ring needs a center of two finite coordinates and radii 0 < inner < outer, not {self!r}")
 
     @property
     def bodies(self) -> "tuple[Body, ...]":
@@ -100,24 +100,24 @@ class Ring:
         return math.pi * (self.outer - self.inner) * (self.outer + self.inner)
 
     def within(self, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
-        """Whether the body lies in a box of these corners [m]; it may touch its faces."""
-        return _within(_around(self), lower, upper)
+        """Whether the body lies in the box between these corners [m]; it may touch the faces."""
+        return _within(_bounding_block(self), lower, upper)
 
     def contains(self, X: Array) -> NDArray[np.bool_]:
-        """Whether points (P, 2) [m] belong to the body, (P,)."""
+        """Return whether each point (P, 2) [m] belongs to the body, (P,)."""
         distance = _distance(X, self.center)
         return (self.inner <= distance) & (distance <= self.outer)
 
     def parts(self, lower: Array, upper: Array) -> tuple[Array, Array]:
-        """Areas (B,) [m^2] and centroids (B, 2) [m] of what lies in boxes of these corners (B, 2) [m]."""
+        """Return areas (B,) [m^2] and centroids (B, 2) [m] of the body's intersection with boxes between corners (B, 2) [m]."""
         lower, upper = lower - self.center, upper - self.center
-        (outer, of_outer), (inner, of_inner) = (_moments(radius, lower, upper) for radius in (self.outer, self.inner))
-        return _parts(self.center, outer - inner, of_outer - of_inner)
+        (outer, outer_moment), (inner, inner_moment) = (_moments(radius, lower, upper) for radius in (self.outer, self.inner))
+        return _centroids(self.center, outer - inner, outer_moment - inner_moment)
 
 
 @dataclass(frozen=True)
 class Block:
-    """What lies between two corners, in one dimension to three.
+    """A closed axis-aligned box in d = 1, 2 or 3 dimensions.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ class Block:
     Raises
     ------
     UsageError
-        If the corners are not finite and of as many coordinates, one to three, the upper ones above the lower ones.
+        If the corners do not have the same number of finite coordinates, one to three, or an upper one is not above its lower one.
     """
 
     lower: tuple[float, ...]
@@ -138,7 +138,7 @@ class Block:
         finite = 1 <= len(self.lower) == len(self.upper) <= 3 and all(math.isfinite(x) for x in ends)
         if not (finite and all(lo < hi for lo, hi in zip(self.lower, self.upper, strict=True))):
             raise UsageError(
-                f"a block needs two corners of one to three finite coordinates, the upper above the lower: {self!r}"
+                f"a block needs two corners of one to three finite coordinates, the upper above the lower, not {self!r}"
             )
 
     @property
@@ -151,15 +151,15 @@ class Block:
         return math.prod(hi - lo for lo, hi in zip(self.lower, self.upper, strict=True))
 
     def within(self, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
-        """Whether the body lies in a box of these corners [m]; it may touch its faces."""
+        """Whether the body lies in the box between these corners [m]; it may touch the faces."""
         return _within(self, lower, upper)
 
     def contains(self, X: Array) -> NDArray[np.bool_]:
-        """Whether points (P, d) [m] belong to the body, (P,)."""
+        """Return whether each point (P, d) [m] belongs to the body, (P,)."""
         return np.asarray(((np.array(self.lower) <= X) & (np.array(self.upper) >= X)).all(axis=1))
 
     def parts(self, lower: Array, upper: Array) -> tuple[Array, Array]:
-        """Measures (B,) [m^d] and centroids (B, d) [m] of what lies in boxes of these corners (B, d) [m]."""
+        """Return measures (B,) [m^d] and centroids (B, d) [m] of the intersection with boxes between corners (B, d) [m]."""
         low, high = np.maximum(lower, self.lower), np.minimum(upper, self.upper)
         measure = np.maximum(high - low, 0).prod(axis=1)
         return measure, (low + high) / 2
@@ -175,42 +175,42 @@ class Bodies:
     Parameters
     ----------
     bodies : tuple of Disk, Ring or Block
-        Of one dimension.
+        One or more bodies of the same dimension.
 
     Raises
     ------
     UsageError
-        If there is none, they are of different dimensions, or two overlap.
+        If there is no body, the dimensions differ, or two bodies overlap.
     """
 
     bodies: tuple[Body, ...]
 
     def __post_init__(self) -> None:
-        if not self.bodies or len({len(_around(body).lower) for body in self.bodies}) > 1:
-            raise UsageError(f"several bodies are one at least, all of one dimension: {self!r}")
+        if not self.bodies or len({len(_bounding_block(body).lower) for body in self.bodies}) > 1:
+            raise UsageError(f"give one or more bodies of the same dimension, not {self!r}")
         for one, other in itertools.combinations(self.bodies, 2):
-            if not _apart(one, other):
+            if not _disjoint(one, other):
                 raise UsageError(f"bodies may touch but not overlap: move {one!r} away from {other!r}")
 
     @property
     def measure(self) -> float:
-        """Length, area or volume of all [m^d]."""
+        """Sum of the lengths, areas or volumes [m^d]."""
         return math.fsum(body.measure for body in self.bodies)
 
     def within(self, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
-        """Whether all bodies lie in a box of these corners [m]; they may touch its faces."""
+        """Whether all bodies lie in the box between these corners [m]; they may touch the faces."""
         return all(body.within(lower, upper) for body in self.bodies)
 
     def contains(self, X: Array) -> NDArray[np.bool_]:
-        """Whether points (P, d) [m] belong to a body, (P,)."""
+        """Return whether each point (P, d) [m] belongs to one of the bodies, (P,)."""
         return np.asarray(np.stack([body.contains(X) for body in self.bodies]).any(axis=0))
 
 
 Shape = Body | Bodies
 
 
-def _around(body: Body) -> Block:
-    """The block that a body touches with all sides."""
+def _bounding_block(body: Body) -> Block:
+    """Return the smallest block that contains a body."""
     if isinstance(body, Block):
         return body
     (x, y), r = body.center, body.outer
@@ -218,20 +218,20 @@ def _around(body: Body) -> Block:
 
 
 def touching(bodies: tuple[Body, ...], axis: int, end: float) -> list[Block]:
-    """Blocks that have a side across an axis at its end [m], to round-off; circles touch it in no more than a point."""
+    """Return the blocks with a side in the plane x[axis] = end [m], to round-off; a circle touches it in one point at most."""
     blocks = [body for body in bodies if isinstance(body, Block)]
     return [
         block for block in blocks if any(math.isclose(side[axis], end, abs_tol=1e-14) for side in (block.lower, block.upper))
     ]
 
 
-def _apart(one: Body, other: Body) -> bool:
-    """Whether two bodies have no more in common than points of their surfaces."""
+def _disjoint(one: Body, other: Body) -> bool:
+    """Whether the interiors of two bodies are disjoint."""
     if isinstance(one, Block) and isinstance(other, Block):
         ends = zip(one.lower, one.upper, other.lower, other.upper, strict=True)
         return any(b <= c or d <= a for a, b, c, d in ends)
     if isinstance(one, Block):
-        return _apart(other, one)
+        return _disjoint(other, one)
     if isinstance(other, Block):
         corners = np.abs(np.array([other.lower, other.upper]) - one.center)
         nearest = np.maximum(np.maximum(np.array(other.lower) - one.center, one.center - np.array(other.upper)), 0)
@@ -246,7 +246,7 @@ def _in_plane(center: tuple[float, ...]) -> bool:
 
 
 def _within(block: Block, lower: tuple[float, ...], upper: tuple[float, ...]) -> bool:
-    """Whether a block lies in a box of these corners, which has its dimension."""
+    """Whether a block lies in the box between these corners; False if the dimensions differ."""
     if len(block.lower) != len(lower):
         return False
     return all(lo <= a and b <= hi for lo, a, b, hi in zip(lower, block.lower, block.upper, upper, strict=True))
@@ -257,13 +257,13 @@ def _distance(X: Array, center: tuple[float, float]) -> Array:
 
 
 def _moments(radius: float, lower: Array, upper: Array) -> tuple[Array, Array]:
-    """Area (B,) [m^2] and first moments (B, 2) [m^3] of what a circle around the origin cuts out of boxes (B, 2) [m].
+    """Return areas (B,) [m^2] and first moments (B, 2) [m^3] of the parts of boxes (B, 2) [m] in a circle around the origin.
 
     Notes
     -----
-    The abscissae where the circle crosses the sides cut a box into five slabs. In each of them the part is a trapezoid between
-    chords, and a segment of the circle beyond each chord that stands for an arc: of a chord c its angle is theta = 2 asin(c/2r), its
-    area r^2 (theta - sin theta)/2, and its moment along the normal c^3/12. No small part is the difference of large ones.
+    The abscissae at which the circle crosses the horizontal sides cut a box into five slabs. The part in a slab is a trapezoid, plus
+    a circular segment beyond each chord that replaces an arc. A chord c has the angle theta = 2 asin(c/2r), and its segment the area
+    r^2 (theta - sin theta)/2 and the moment c^3/12 along the normal. No small area is computed as a difference of large ones.
     """
     bottom, top = lower[:, 1], upper[:, 1]
     crossings = [np.sqrt(np.maximum(radius**2 - side**2, 0)) for side in (bottom, top)]
@@ -289,11 +289,11 @@ def _moments(radius: float, lower: Array, upper: Array) -> tuple[Array, Array]:
 
 
 def _half_chord(radius: float, x: Array) -> Array:
-    """Ordinate of the upper half of a circle around the origin [m]."""
+    """Return the ordinate of the upper half of a circle around the origin [m]."""
     return np.sqrt(np.maximum((radius - x) * (radius + x), 0))
 
 
-def _parts(center: tuple[float, float], area: Array, moment: Array) -> tuple[Array, Array]:
-    """Areas and centroids from the moments about a center, which is the centroid of what is empty."""
+def _centroids(center: tuple[float, float], area: Array, moment: Array) -> tuple[Array, Array]:
+    """Return areas and centroids from areas and first moments about a centre; the centroid of an empty part is the centre."""
     area = np.maximum(area, 0)
     return area, center + moment / np.where(area > 0, area, np.inf)[:, None]
