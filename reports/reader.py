@@ -10,6 +10,7 @@ import numpy as np
 
 from mpmverify.convergence.sources import Separation
 from mpmverify.dataset.files import SCHEMA, check_ours
+from mpmverify.dataset.findings import read_lacking
 from mpmverify.dataset.sources import MEANING, source_of
 from mpmverify.errors import ResultsError
 from mpmverify.judgement.findings import Finding
@@ -38,15 +39,20 @@ def read(path: Path) -> Record:
             root = _columns(file)
             series = [entry for solver, group in file.groups.items() for entry in _series(path.stem, solver, group)]
             schemes = {solver: str(group.scheme) for solver, group in file.groups.items()}
-            lacking = tuple(
-                Finding.of(json.loads(stored) | {"study": path.stem}) for stored in [attributes.get("lacking")] if stored
-            )
+            missing = read_lacking(attributes)
     except ResultsError:
         raise
     except (OSError, RuntimeError, AttributeError, LookupError, TypeError, ValueError) as error:
         check_ours(path, "study")
         raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
-    return Record(path.stem, attributes, tuple(_cases(root)), schemes, tuple(series), lacking)
+    return Record(
+        path.stem,
+        attributes,
+        tuple(_cases(root)),
+        schemes,
+        tuple(series),
+        (dataclasses.replace(missing, study=path.stem),) if missing else (),
+    )
 
 
 def _columns(group: netCDF4.Dataset) -> dict[str, np.ndarray]:

@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from faulty_solvers import Scripted, ladder, plan, study, transported
-from stored_studies import findings
 
 from mpmverify.atomic import write_atomic
 from mpmverify.criteria import (
@@ -38,7 +37,7 @@ from mpmverify.dataset.fits import read_orders
 from mpmverify.dataset.levels import read_levels
 from mpmverify.dataset.runs import read_run, write_run
 from mpmverify.dataset.statement import statement
-from mpmverify.dataset.study import read_study, read_tree, solvers, write_study
+from mpmverify.dataset.study import read_study, read_tree, solvers, stored_findings, write_study
 from mpmverify.dataset.tree import write_tree
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
@@ -436,9 +435,9 @@ def test_snapshots_hold_the_profiles_of_the_runs(stored):
 
 def test_judging_a_stored_study_reproduces_its_findings(stored, path):
     tree = read_tree(path)
-    assert findings(tree) == stored[1][path.stem].findings
+    assert stored_findings(tree) == stored[1][path.stem].findings
     again = judged(read_study(path), plan(stored[0]).baseline)
-    assert again.findings == findings(tree)
+    assert again.findings == stored_findings(tree)
     orders = {}
     for solver, dataset in solvers(tree):
         orders |= read_orders(dataset, read_levels(solver, dataset))
@@ -463,10 +462,10 @@ def test_a_restricted_run_states_its_restriction_and_the_missing_baseline_entrie
     assert tree.attrs["restricted_to"] == kept
     assert entry.findings[-1].solver == other
     assert entry.findings[-1].reason.endswith(f"the run was restricted to {kept}: run the whole study")
-    assert findings(tree) == gate(path, known) == entry.findings
+    assert stored_findings(tree) == gate(path, known) == entry.findings
     assert gate(path, Baseline(tmp_path / "none"))[-1].solver == kept
     del tree.attrs["restricted_to"], tree.attrs["lacking"]
-    assert {f.solver for f in findings(tree)} == {kept}, "a file without these attributes has no such finding"
+    assert {f.solver for f in stored_findings(tree)} == {kept}, "a file without these attributes has no such finding"
 
 
 @dataclasses.dataclass(frozen=True)

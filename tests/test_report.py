@@ -288,7 +288,7 @@ def test_a_failed_run_is_listed_once_for_all_criteria_of_its_series(stored: tupl
 def test_missing_baseline_series_and_the_restriction_of_the_run_are_shown(tmp_path: Path) -> None:
     whole, known = study(solvers=("good", "also good")), Baseline(tmp_path / "none")
     for solver in whole.solver_names():
-        known.updated("sample", solver, "hill & dale", "ladder", EVIDENCE)
+        known.accept_series("sample", solver, "hill & dale", "ladder", EVIDENCE)
     results = Results(tmp_path)
     *_, lacking = store(results, whole.restricted(("good",)), known)
     render(results)
@@ -302,7 +302,7 @@ def test_missing_baseline_series_and_the_restriction_of_the_run_are_shown(tmp_pa
 
 def test_a_copied_study_file_with_missing_series_links_to_its_own_page(tmp_path: Path) -> None:
     known = Baseline(tmp_path / "none")
-    known.updated("sample", "good", "a case that is gone", "ladder", EVIDENCE)
+    known.accept_series("sample", "good", "a case that is gone", "ladder", EVIDENCE)
     results = Results(tmp_path)
     store(results, study(solvers=("good",)), known)
     results.study("sample").rename(results.study("copy"))

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from stored_studies import findings
 from test_report import Page, Scheme, study
 
 from mpmverify.convergence.sources import Separation, Source
@@ -15,7 +14,7 @@ from mpmverify.criteria import Order, Separated
 from mpmverify.criteria.evidence import Level, evidence_by_series
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.sources import NAMES, with_sources
-from mpmverify.dataset.study import read_study, read_tree, write_study
+from mpmverify.dataset.study import read_study, read_tree, stored_findings, write_study
 from mpmverify.execution.gate import judged
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.judging import judge
@@ -75,9 +74,9 @@ def test_sources_are_stored_and_judging_the_file_again_gives_the_same_findings(s
     np.testing.assert_allclose(found, [2, 1], atol=1e-4)
     np.testing.assert_allclose(dataset["source_cosine"].isel(separation=0).sel(source="h", beside="dt"), 1, atol=1e-3)
     again = judged(read_study(stored[0].study("sources")), Baseline(Path("none")))
-    assert again.findings == findings(tree)
+    assert again.findings == stored_findings(tree)
     assert with_sources(dataset.drop_dims(("separation", "source", "beside")), "good", again).identical(dataset)
-    verdicts = {(f.refinement, f.criterion): f.verdict for f in findings(tree) if f.gate == "verification"}
+    verdicts = {(f.refinement, f.criterion): f.verdict for f in stored_findings(tree) if f.gate == "verification"}
     assert verdicts[LADDERS["design"].label, BOTH.title] is Verdict.PASS
 
 

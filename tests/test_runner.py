@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from faulty_solvers import BEHAVIOURS, SECOND_ORDER, Scripted, ladder, plan, study
-from stored_studies import findings
 
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Amplification, Balance, Order
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.study import read_tree
+from mpmverify.dataset.study import read_tree, stored_findings
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
 from mpmverify.execution import evaluation
@@ -121,7 +120,7 @@ def test_a_change_of_title_or_criteria_solves_nothing(tmp_path, change):
     entry = judged_once(change(study()), tmp_path)
     assert (entry.solved, entry.reused) == (0, LEVELS)
     stored = read_tree(tmp_path / "scripted.nc")
-    assert findings(stored) == entry.findings
+    assert stored_findings(stored) == entry.findings
     assert stored.attrs["title"] == change(study()).title
 
 
@@ -240,7 +239,7 @@ def test_a_failure_affects_no_other_series_and_is_repeated(failing):
     path, journal, entry, again = failing
     neighbour = [f.verdict for f in entry.findings if f.solver == "scripted-good" and f.gate == "verification"]
     assert neighbour == [Verdict.PASS, Verdict.PASS]
-    assert again.findings == entry.findings == findings(read_tree(path / "scripted.nc"))
+    assert again.findings == entry.findings == stored_findings(read_tree(path / "scripted.nc"))
     retried = len(REASONS.keys() - FINISHED)
     assert (entry.solved, entry.reused) == (LEVELS * (len(REASONS) + 1), 0)
     assert (again.solved, again.reused) == (retried, LEVELS * (len(REASONS) + 1) - retried)

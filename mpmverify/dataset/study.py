@@ -27,7 +27,7 @@ from mpmverify.criteria.evidence import Level, SeriesId
 from mpmverify.dataset import provenance
 from mpmverify.dataset.criteria import read_criteria, with_criteria
 from mpmverify.dataset.files import check_ours
-from mpmverify.dataset.findings import lacking_attribute, with_findings
+from mpmverify.dataset.findings import lacking_attribute, read_findings, read_lacking, with_findings
 from mpmverify.dataset.fits import with_fits
 from mpmverify.dataset.levels import level_table, read_levels
 from mpmverify.dataset.snapshots import Snapshots, snapshot_groups
@@ -35,6 +35,7 @@ from mpmverify.dataset.sources import with_sources
 from mpmverify.dataset.statement import statement
 from mpmverify.dataset.tree import text, write_tree
 from mpmverify.errors import MpmverifyError, ResultsError
+from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.judging import Judged
 from mpmverify.study import Study
 
@@ -173,6 +174,14 @@ def solvers(tree: xr.DataTree) -> Iterator[tuple[str, xr.Dataset]]:
     """Yield the name and the dataset of each solver in a study's tree."""
     for name, node in tree.children.items():
         yield name, node.to_dataset(inherit=False)
+
+
+def stored_findings(tree: xr.DataTree) -> tuple[Finding, ...]:
+    """Return all findings of a study's tree, the one on missing baseline entries last."""
+    name = tree.attrs["id"]
+    findings = [finding for solver, dataset in solvers(tree) for finding in read_findings(name, solver, dataset)]
+    missing = read_lacking(tree.attrs)
+    return (*findings, *([missing] if missing else []))
 
 
 def read_tree(path: Path) -> xr.DataTree:

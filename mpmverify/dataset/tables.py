@@ -8,12 +8,10 @@ import xarray as xr
 from mpmverify.convergence.verdict import Verdict, worst
 from mpmverify.criteria.evidence import SeriesId, evidence_of
 from mpmverify.criteria.norms import NORMS
-from mpmverify.dataset.findings import read_findings
 from mpmverify.dataset.fits import read_orders
 from mpmverify.dataset.levels import read_levels
-from mpmverify.dataset.study import parsing, read_tree, solvers
+from mpmverify.dataset.study import parsing, read_tree, solvers, stored_findings
 from mpmverify.judgement.baseline import norms_by_level
-from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.tables import PROVENANCE, Order, Run, SeriesKey, Tables
 
 
@@ -46,7 +44,6 @@ def _tables(tree: xr.DataTree) -> Tables:
     runs: dict[tuple[SeriesKey, str], Run] = {}
     errors: dict[tuple[SeriesKey, str, str], tuple[float, float]] = {}
     orders: dict[tuple[SeriesKey, str], Order] = {}
-    findings: list[Finding] = []
     for solver, dataset in solvers(tree):
         levels = read_levels(solver, dataset)
         names: dict[SeriesId, set[str]] = {}
@@ -62,10 +59,11 @@ def _tables(tree: xr.DataTree) -> Tables:
                 errors[series, name, measure] = error, float(seen.reference[quantity][0, NORMS.index(norm)])
         for (identity, measure), fit in read_orders(dataset, levels).items():
             orders[SeriesKey(study, *identity), measure] = Order(*fit, frozenset(names[identity]))
-        findings += read_findings(study, solver, dataset)
     verdicts: dict[tuple[SeriesKey, str], Verdict] = {}
-    # The finding on missing baseline entries is left out: a comparison reports what was not run as lost.
-    for f in findings:
+    known = {series for series, _ in runs}
+    for f in stored_findings(tree):
         judged = SeriesKey(study, f.case, f.solver, f.refinement), f"{f.gate}: {f.criterion}"
+        if judged[0] not in known:  # what was not run is lost, and not worse
+            continue
         verdicts[judged] = worst((f.verdict, verdicts.get(judged, f.verdict)))
     return Tables({study: {name: str(tree.attrs[name]) for name in PROVENANCE}}, runs, errors, orders, verdicts)

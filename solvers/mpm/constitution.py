@@ -7,14 +7,15 @@ Tensors are tuples, see `mpmverify.solvers.mpm.tensors`.
 To add a law, write its functions in `hyperelastic` or `small_strain` (or a module of its own) and enter it in `LAWS`.
 """
 
+import operator
 from collections.abc import Callable
-from functools import partial
+from functools import partial, reduce
 from math import nan
 from typing import Any, NamedTuple
 
 from mpmverify.problem import material as materials
 
-from ..tracing import cond, switch, traced, where
+from ..tracing import equal, switch, traced, where
 from . import hyperelastic, small_strain
 from .tensors import Symmetric, Tensor, det, first_piola_kirchhoff, full, left_cauchy_green, sym
 
@@ -91,15 +92,9 @@ class Numbered(NamedTuple):
 
     number : int
         Position in `LAWS`.
-    finite : bool
-        Whether it is a law of finite strain.
-    viscous : bool
-        Whether it turns energy into heat.
     """
 
     number: int
-    finite: bool
-    viscous: bool
 
 
 Law = Linear | Numbered
@@ -128,8 +123,7 @@ def constitution(material: materials.LinearElastic) -> tuple[Law, Constants]:
     constants = Constants(float(material.lame_lambda), float(material.shear_modulus), (*own, *[0.0] * (ROOM - len(own))))
     if law is LINEAR_ELASTIC:
         return Linear(), constants
-    viscous = isinstance(law, SmallStrain) and law.heat is not None
-    return Numbered(list(LAWS).index(type(material)), isinstance(law, FiniteStrain), viscous), constants
+    return Numbered(list(LAWS).index(type(material))), constants
 
 
 @traced
@@ -154,10 +148,10 @@ def stress(law: Law, constants: Constants, sigma: Symmetric, F: Tensor, incremen
     deps = sym(increment)
     if isinstance(law, Linear):
         return LINEAR_ELASTIC.stress(constants.lame, constants.shear, sigma, F, deps, dt)
-    return cond(
-        law.finite,
-        lambda: _one_of(FiniteStrain, "stress", law, constants, volume_ratio(F), left_cauchy_green(F)),
-        lambda: _one_of(SmallStrain, "stress", law, constants, sigma, F, deps, dt),
+    return switch(
+        law.number,
+        _ways(SmallStrain, "stress", constants, sigma, F, deps, dt),
+        lambda: _finite(law, "stress", constants, F),
     )
 
 
@@ -166,10 +160,10 @@ def strain_energy(law: Law, constants: Constants, sigma: Symmetric, F: Tensor) -
     """Stored energy [J/m^3] per volume that the stress acts on at small strain, per reference volume at finite strain."""
     if isinstance(law, Linear):
         return LINEAR_ELASTIC.energy(constants.lame, constants.shear, sigma, F)
-    return cond(
-        law.finite,
-        lambda: _one_of(FiniteStrain, "energy", law, constants, volume_ratio(F), left_cauchy_green(F)),
-        lambda: _one_of(SmallStrain, "energy", law, constants, sigma, F),
+    return switch(
+        law.number,
+        _ways(SmallStrain, "energy", constants, sigma, F),
+        lambda: _finite(law, "energy", constants, F),
     )
 
 
@@ -178,16 +172,22 @@ def dissipation(law: Law, constants: Constants, sigma: Symmetric, increment: Ten
     """Energy that a step turns into heat, per volume that the stress acts on [J/m^3]; `sigma` is the stress before it."""
     if isinstance(law, Linear):
         return 0.0
-    return _one_of(SmallStrain, "heat", law, constants, sigma, sym(increment), dt)
+    return switch(law.number, _ways(SmallStrain, "heat", constants, sigma, sym(increment), dt), 0.0)
 
 
-def _one_of(kind: type, function: str, law: Numbered, constants: Constants, *arguments: Any) -> Any:
-    """What a function of the law of a number returns, among the laws of a kind that have this function."""
-    ways = {}
-    for number, entry in enumerate(LAWS.values()):
-        if isinstance(entry, kind) and entry is not LINEAR_ELASTIC and getattr(entry, function):
-            own = constants.parameters[: len(entry.parameters)]
-            ways[number] = partial(getattr(entry, function), constants.lame, constants.shear, *arguments, *own)
+def _ways(kind: type, function: str, constants: Constants, *arguments: Any) -> dict[int, Callable[[], Any]]:
+    """Calls of a function of the laws of a kind, by their numbers."""
+    ways: dict[int, Callable[[], Any]] = {}
+    for number, law in enumerate(LAWS.values()):
+        if isinstance(law, kind) and law is not LINEAR_ELASTIC and getattr(law, function):
+            own = constants.parameters[: len(law.parameters)]
+            ways[number] = partial(getattr(law, function), constants.lame, constants.shear, *arguments, *own)
+    return ways
+
+
+def _finite(law: Numbered, function: str, constants: Constants, F: Tensor) -> Any:
+    """What a function of a law of finite strain returns."""
+    ways = _ways(FiniteStrain, function, constants, volume_ratio(F), left_cauchy_green(F))
     _, last = ways.popitem()
     return switch(law.number, ways, last)
 
@@ -204,10 +204,21 @@ def reference_stress(law: Law, sigma: Symmetric, F: Tensor) -> Tensor:
     """Stress of the total Lagrangian formulation [Pa]: sigma at small strain, P = J sigma F^-T at finite strain."""
     if isinstance(law, Linear):
         return full(sigma)
-    return where(law.finite, first_piola_kirchhoff(sigma, F), full(sigma))
+    return where(finite_strain(law), first_piola_kirchhoff(sigma, F), full(sigma))
 
 
 @traced
 def finite_strain(law: Law) -> bool:
     """Whether a law is one of finite strain, which is objective and does not bear J <= 0."""
-    return False if isinstance(law, Linear) else law.finite
+    return False if isinstance(law, Linear) else _among(law, [isinstance(entry, FiniteStrain) for entry in LAWS.values()])
+
+
+@traced
+def viscous(law: Law) -> bool:
+    """Whether a law turns energy into heat."""
+    return False if isinstance(law, Linear) else _among(law, [bool(getattr(entry, "heat", None)) for entry in LAWS.values()])
+
+
+def _among(law: Numbered, chosen: list[bool]) -> Any:
+    """Whether a law is one of those that are chosen; asked of the number, it lets the compiler merge branches on laws."""
+    return reduce(operator.or_, [equal(law.number, number) for number, one in enumerate(chosen) if one])

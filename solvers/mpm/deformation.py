@@ -3,7 +3,7 @@
 from mpmverify.problem import Array
 
 from ..tracing import all_positive, cond, floor, load_rows, logical_not, reduce_sum, store_rows, traced, when, where
-from .constitution import Linear, dissipation, finite_strain, reference_stress, strain_energy, stress
+from .constitution import Linear, dissipation, finite_strain, reference_stress, strain_energy, stress, viscous
 from .state import FAILED, HEAT, PASSED, STRAYED, Grid, Particles, Scheme, columns_of
 from .stencil import Group
 from .tensors import Symmetric, Tensor, deform, det, full
@@ -48,7 +48,7 @@ def strain(scheme: Scheme, particles: Particles, some: Group, increment: Tensor,
     F = deformed(scheme, increment, before)
     store_rows(state, some.numbers, column.F, F)
     if not isinstance(law, Linear):
-        with when(law.viscous):
+        with when(viscous(law)):
             V = some.present * load_rows(state, some.numbers, column.volume, (0.0,))[0]
             J = where(scheme.total, 1.0, det(before))
             sums[HEAT] += reduce_sum(V * J * dissipation(law, constants, sigma, increment, dt))
