@@ -1,5 +1,8 @@
 """The report: HTML pages made from stored results only; they open from disk, without a network.
 
+Here belong readers of study files, the data and the template of each page, and the handbook. To add a page, write a module that makes
+its dataclass (`pages`), a template, and an entry in `site` and `manifest`. Nothing is solved or judged here.
+
 Notes
 -----
 A page is rendered if it is missing, or if its study file or the code of the report has changed. Changes are detected from the size

@@ -372,11 +372,11 @@ class Fault:
         return module if module in PROPERTIES else module.partition("/")[0]
 
 
-FITS, SERIES, JUDGING = "convergence/fits.py", "convergence/series.py", "convergence/judging.py"
+FITS, SERIES, JUDGING = "convergence/fits.py", "convergence/series.py", "convergence/order_verdict.py"
 GCI, LEVELS, REFERENCE = "convergence/gci.py", "convergence/levels.py", "convergence/reference.py"
 FIT_LOGARITHMS = "x, y = np.log(h), np.log(error)\n    dx"
 STUDENT = "float(stdtrit(len(h) - 2, 0.5 + confidence / 2))"
-SUMS, HISTORIES, OUTCOMES = "criteria/sums.py", "criteria/histories.py", "criteria/outcomes.py"
+SUMS, HISTORIES, OUTCOMES = "criteria/field_sums.py", "criteria/histories.py", "criteria/outcomes.py"
 NORMS, EVIDENCE, VERDICT = "criteria/norms.py", "criteria/evidence.py", "convergence/verdict.py"
 FINDINGS, BASELINE = "judgement/findings.py", "judgement/baseline.py"
 IN_BAND = "if not (low <= fit.low and fit.high <= high):"

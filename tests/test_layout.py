@@ -192,7 +192,7 @@ def test_imports_are_found_in_the_source():
     """Otherwise the following tests would pass for any code."""
     expected = {"mpmverify.execution.keys", "mpmverify.execution.processes", "mpmverify.judgement.judging"}
     assert expected <= imports("mpmverify.execution.runner")
-    reading = core_imports("mpmverify.cli.judging")
+    reading = core_imports("mpmverify.cli.reading")
     assert {"dataset", "execution", "judgement", "reports"} & reading == {"dataset", "execution", "judgement"}
     assert "mpmverify.solvers.fem.solver" in imports("mpmverify.solvers.fem")
 

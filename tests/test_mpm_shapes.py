@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpmverify.convergence.judging import verdict
+from mpmverify.convergence.order_verdict import verdict
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria.norms import NORMS, errors
 from mpmverify.errors import UsageError

@@ -28,6 +28,7 @@ from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
 from mpmverify.problem import Discretisation
 from mpmverify.selftest import processes, session
+from mpmverify.selftest.fault_judge import CONTRACT, FaultJudge, deviation
 from mpmverify.selftest.faults import Edit, Fault, passage
 from mpmverify.selftest.named import HISTORIC, NAMED
 from mpmverify.selftest.processes import each_alone
@@ -35,7 +36,6 @@ from mpmverify.selftest.rules import RULES, faults, sampled
 from mpmverify.selftest.survivors import EXPLAINED
 from mpmverify.selftest.trials import TRIALS, Trial, merged
 from mpmverify.selftest.unmodified import jittered, settings
-from mpmverify.selftest.verdict import CONTRACT, FaultJudge, deviation
 from mpmverify.solution import Outcome, Status
 
 TOY = '''

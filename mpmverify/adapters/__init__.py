@@ -1,5 +1,5 @@
 """Adapters: wrappers that give another solver, or a code outside this package, the protocol of a `Solver`.
 
-What runs, measures or translates for a solver that is not written for this package belongs here. The shipped schemes do not: they are
-in `mpmverify.solvers`.
+What runs a code, reads its files or searches on its behalf (`bisection`: its largest stable time step) belongs here. The shipped
+schemes do not: they are in `mpmverify.solvers`.
 """

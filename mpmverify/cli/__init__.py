@@ -1,6 +1,7 @@
 """The command line: every command parses its options, calls the library, and displays the result or one sentence.
 
-Here belong commands, options and what a terminal shows. Heavy imports stay inside the commands, and no number is computed here.
+Here belong commands, options and what a terminal shows. To add a command, write it in a module here and add it to the loop below.
+Heavy imports stay inside the commands, and no number is computed here.
 """
 
 from typing import NoReturn
@@ -9,8 +10,8 @@ import click
 
 from mpmverify import __version__
 from mpmverify.cli.group import Group
-from mpmverify.cli.judging import baseline, compare, gate, report
 from mpmverify.cli.options import EPILOG
+from mpmverify.cli.reading import baseline, compare, gate, report
 from mpmverify.cli.solving import list_, run, selftest
 from mpmverify.cli.table import judge
 

@@ -1,4 +1,4 @@
-"""Commands that answer what a user can mend in one sentence."""
+"""Command group that turns an error which the user can fix into one sentence and exit status 2."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""Progress while runs go on."""
+"""Progress of runs on the terminal."""
 
 import sys
 from types import TracebackType
@@ -9,7 +9,7 @@ from rich.progress import Progress as Bars
 
 
 class Progress:
-    """Bars when a terminal looks, plain lines otherwise, nothing when there is nothing to wait for."""
+    """Bars when the output is a terminal, plain lines otherwise, nothing when there is nothing to wait for."""
 
     def __init__(self) -> None:
         console = Console(stderr=True)

@@ -1,4 +1,4 @@
-"""The command that judges a table of errors from any code, with no solver near."""
+"""The command `judge`, for a table of errors from any code."""
 
 import sys
 from pathlib import Path
@@ -8,7 +8,7 @@ import click
 from mpmverify.errors import UsageError
 
 SIZES = ("dt", "ppc")
-"""Columns that hold errors only when asked for: they say of which level the others are."""
+"""Columns that are not errors unless --error names them: they describe the level."""
 
 
 @click.command(

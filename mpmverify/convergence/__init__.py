@@ -6,7 +6,7 @@ random series of known truth that measure how often verdicts are right. Nothing 
 
 from mpmverify.convergence.fits import CONFIDENCE, Fit, FloorFit, fit_floor, fit_order, pairwise_orders
 from mpmverify.convergence.gci import Behaviour, GridConvergence, grid_convergence, grid_convergence_of_differences
-from mpmverify.convergence.judging import PLAUSIBLE, judge_order, verdict
+from mpmverify.convergence.order_verdict import PLAUSIBLE, judge_order, verdict
 from mpmverify.convergence.reference import Reference, qualify, qualify_by_differences
 from mpmverify.convergence.series import FLAT, ROUND_OFF, Classification, Convergence, analyse
 from mpmverify.convergence.table import Table, read_table

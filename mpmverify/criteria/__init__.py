@@ -1,19 +1,20 @@
 """Criteria that a study declares for a series, the quantities that they measure on a solution, and the sentences of their verdicts.
 
-Here belong error norms, measurements on waves, sums and histories, the evidence that is collected from runs, and the criteria that
-judge it. To add a criterion, write its class and enter it in `CRITERIA`. Verdicts on a whole study are made in `judgement`.
+Here belong error norms (`norms`), measurements on waves, conservation in histories (`histories`), the evidence that is collected from
+runs, and the criteria that judge it. To add a criterion, write its class in the module of what it measures and enter it in `CRITERIA`
+below. Verdicts on a whole study are made in `judgement`.
 """
 
 from collections.abc import Mapping
 from typing import Any
 
 from mpmverify.criteria.errors import Exact, Order, Published, Stall
+from mpmverify.criteria.field_sums import FieldSums
 from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift
 from mpmverify.criteria.modes import Amplification
 from mpmverify.criteria.outcomes import Unstable
 from mpmverify.criteria.sources import Separated
 from mpmverify.criteria.stability import StabilityLimit
-from mpmverify.criteria.sums import FieldSums
 from mpmverify.criteria.waves import AmplitudeDecay, Dispersion, FrontPosition, PhaseError
 
 __all__ = [

@@ -7,9 +7,9 @@ import numpy as np
 
 from mpmverify.convergence import ROUND_OFF, Classification, judge_order
 from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.bounds import judge_largest
 from mpmverify.criteria.criterion import OnLimits, Setting
 from mpmverify.criteria.evidence import Evidence
-from mpmverify.criteria.judging import judge_largest
 from mpmverify.criteria.norms import NORMS
 from mpmverify.solution import Solution
 

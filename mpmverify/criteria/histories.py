@@ -7,9 +7,9 @@ import numpy as np
 
 from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
 from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.bounds import finite_and_non_negative, judge_largest, relative_defect
 from mpmverify.criteria.criterion import Setting
 from mpmverify.criteria.evidence import Evidence
-from mpmverify.criteria.judging import finite_and_non_negative, judge_largest, relative_defect
 from mpmverify.problem import Array, LinearElastic, components
 from mpmverify.problem.material import KelvinVoigt, Maxwell
 from mpmverify.solution import Solution

@@ -7,9 +7,9 @@ from typing import ClassVar
 import numpy as np
 
 from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.bounds import judge_largest
 from mpmverify.criteria.criterion import Setting
 from mpmverify.criteria.evidence import Evidence
-from mpmverify.criteria.judging import judge_largest
 from mpmverify.exact.amplification import two_step_taylor_galerkin
 from mpmverify.problem import Transport
 from mpmverify.solution import Solution

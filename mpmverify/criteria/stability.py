@@ -7,9 +7,9 @@ from typing import ClassVar
 import numpy as np
 
 from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.bounds import judge_largest
 from mpmverify.criteria.criterion import OnLimits, Setting
 from mpmverify.criteria.evidence import Evidence
-from mpmverify.criteria.judging import judge_largest
 from mpmverify.errors import UsageError
 from mpmverify.exact.stability import LIMITS
 from mpmverify.solution import Solution

@@ -9,9 +9,9 @@ import numpy as np
 
 from mpmverify.convergence import ROUND_OFF, analyse, judge_order
 from mpmverify.convergence.verdict import Judgement, Verdict, worst
+from mpmverify.criteria.bounds import judge_largest
 from mpmverify.criteria.criterion import Setting
 from mpmverify.criteria.evidence import Evidence
-from mpmverify.criteria.judging import judge_largest
 from mpmverify.criteria.measurements import amplitude, delay_and_gain, modal_history, step_factor
 from mpmverify.errors import UsageError
 from mpmverify.exact.dispersion import RELATIONS, front_lag, leading_errors

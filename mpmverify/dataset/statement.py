@@ -11,6 +11,10 @@ SYMBOLS = {
     "density": ("ρ", "kg/m³"),
     "poissons_ratio": ("ν", ""),
     "velocity": ("a", "m/s"),
+    "viscosity": ("η", "Pa s"),
+    "relaxation_time": ("τ", "s"),
+    "second": ("c₂", "Pa"),
+    "third": ("c₃", "Pa"),
 }
 """Symbol and unit of the parameters of a material."""
 NAMES = {"NeoHookean": "neo-Hookean"}

@@ -1,6 +1,7 @@
 """Catalogue of verification problems: one module for each, with its closed forms as pure functions of (X, t).
 
-Exact and manufactured solutions, dispersion relations and stability limits of schemes belong here, each with its source. Error norms
+What is known of schemes in closed form belongs here, too: amplification factors, dispersion relations, stability limits and orders on
+rough data. Everything has its source. Error norms
 and criteria do not.
 """
 

@@ -1,4 +1,4 @@
-"""Runs over worker processes: a run that hangs or kills its process becomes an outcome, and its neighbours finish."""
+"""Runs of solvers, one after the other in this process or spread over worker processes."""
 
 import os
 from collections import deque

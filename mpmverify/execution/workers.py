@@ -1,4 +1,4 @@
-"""Worker processes: a task that hangs or kills its process gets a result all the same, and its neighbours finish."""
+"""Worker processes for tasks of any kind: one that hangs or kills its process is reported as failed, and the others finish."""
 
 import contextlib
 import math

@@ -1,4 +1,4 @@
-"""One process for each fault: a fault may hang, kill its process or spoil its memory, and the next one never knows."""
+"""One process for each fault: one that hangs, kills its process or spoils its memory does not affect the next."""
 
 import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
@@ -10,9 +10,9 @@ T = TypeVar("T")
 R = TypeVar("R")
 R_co = TypeVar("R_co", covariant=True)
 PATIENCE = 20
-"""Wall time that a task may take, in its limits of processor time: the machine may be busy."""
+"""Limit of wall time as a multiple of the limit of processor time: the machine may be busy."""
 SAFE_PATH = {"PYTHONSAFEPATH": "1"}
-"""The process that forks the others would import from the working folder first, and take a checkout's for the installed modules."""
+"""Without it the fork server imports from the working folder, perhaps a checkout, instead of the installed modules."""
 
 
 class Failed(Protocol[R_co]):

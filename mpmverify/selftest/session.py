@@ -18,6 +18,7 @@ from mpmverify.execution.runner import Plan, run
 from mpmverify.execution.workers import environment
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
+from mpmverify.selftest.fault_judge import FaultJudge, FaultResult
 from mpmverify.selftest.faults import Fault, passage
 from mpmverify.selftest.named import NAMED
 from mpmverify.selftest.processes import each_alone
@@ -25,14 +26,13 @@ from mpmverify.selftest.rules import faults, sampled
 from mpmverify.selftest.survivors import EXPLAINED
 from mpmverify.selftest.trials import TRIALS, merged
 from mpmverify.selftest.unmodified import settings, unmodified
-from mpmverify.selftest.verdict import FaultJudge, FaultResult
 from mpmverify.study import Study
 
 FAULTS_PER_RULE = 4
 """Faults of each rule and family in the full tier."""
 UNMODIFIED_RUNS = {"quick": 4, "full": 50}
 """Number of runs of the unmodified solvers."""
-CODE = ("mpmverify.execution.evaluation", "mpmverify.judgement.judging", "mpmverify.selftest.verdict")
+CODE = ("mpmverify.execution.evaluation", "mpmverify.judgement.judging", "mpmverify.selftest.fault_judge")
 """Modules that judge a fault: their source text is part of the content keys."""
 RANDOM_SERIES = {"quick": 13_500, "full": 270_000}
 """Number of random error series whose verdicts are checked."""

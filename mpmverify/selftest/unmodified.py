@@ -15,7 +15,7 @@ from mpmverify.execution.workers import environment
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.kill_table import UnmodifiedRun
 from mpmverify.judgement.summary import ranked
-from mpmverify.selftest.verdict import counts
+from mpmverify.selftest.fault_judge import counts
 from mpmverify.study import Series, Study
 
 JITTER = 1e-5

@@ -1,6 +1,7 @@
 """Transfers of velocity between particles and grid: a value for each, and the table of those without a parameter.
 
-To add a transfer, make it of the parameters of `Transfer`; what particles keep of the variation of velocity is a kind of `affine`.
+To add a transfer that is a new choice of parameters, make a `Transfer` and enter it in `TRANSFERS`. New arithmetic goes into `affine`,
+for what particles keep of the variation of velocity about them, or into `passes`.
 """
 
 from dataclasses import dataclass

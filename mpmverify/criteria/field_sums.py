@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.bounds import judge_largest, relative_defect
 from mpmverify.criteria.criterion import Setting
 from mpmverify.criteria.evidence import Evidence
-from mpmverify.criteria.judging import judge_largest, relative_defect
 from mpmverify.errors import UsageError
 from mpmverify.problem import Array, LinearElastic, Problem, Transport
 from mpmverify.solution import Solution
