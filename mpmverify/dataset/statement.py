@@ -13,8 +13,8 @@ SYMBOLS = {
     "velocity": ("a", "m/s"),
     "viscosity": ("η", "Pa s"),
     "relaxation_time": ("τ", "s"),
-    "second": ("c₂", "Pa"),
-    "third": ("c₃", "Pa"),
+    "second": ("C₂₀", "Pa"),
+    "third": ("C₃₀", "Pa"),
 }
 """Symbol and unit of the parameters of a material."""
 NAMES = {"NeoHookean": "neo-Hookean"}
