@@ -30,7 +30,8 @@ def judge_order(series: Convergence, low: float, high: float) -> Judgement:
     of the observed orders does not lead below it. FAIL if the error has a floor, stagnates or grows, or the interval lies wholly
     outside the band, and the finest step lies outside on the same side and does not approach the band: levels that are not yet
     asymptotic are no proof of a fault. A series that does not converge passes in no band, and `PLAUSIBLE` bounds every band from
-    above. An error that grows in the finest step, but decreased fast enough over the last two steps together, may alternate.
+    above. An error that grows in the finest step, but decreased fast enough over the last two steps together, is
+    INCONCLUSIVE, because it may alternate.
     """
     kind, fit, used = series.classification, series.fit, int(series.kept.sum())
     if kind is Classification.NON_FINITE:

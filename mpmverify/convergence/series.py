@@ -116,8 +116,8 @@ class Convergence:
         -----
         Either of two estimates suffices. First: on a parabola fitted to (log h, log E), the order has changed towards the band, from
         the first step to the last, by at least the distance that remains. Second: the order reaches the band if the `trend` of the
-        last three orders continues. Where the trend lasts, every further change is taken as two thirds of the one before it, twice
-        the last change in total; else one more change equal to the last one is added.
+        last three orders continues. A trend that lasts continues with changes of two thirds of the one before, in total
+        twice the last change; a trend that does not last continues with one more change equal to the last one.
         """
         x = np.log(self.h[self.kept])
         order = np.polynomial.Polynomial.fit(x, np.log(self.error[self.kept]), 2).deriv()

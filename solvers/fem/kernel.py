@@ -7,12 +7,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from mpmverify.problem import (
-    Array,
-)
+from mpmverify.problem import Array
 
 GROWTH = 1e6
-"""An energy so many times above what data and loads can supply, a thousand times their amplitude, is instability."""
+"""A run is unstable above 1e6 times the energy, 1000 times the amplitude, that data and loads can supply."""
 EPSILON = float(np.finfo(float).eps)
 STABLE, GREW, OVERFLOWED, INVERTED = range(4)
 

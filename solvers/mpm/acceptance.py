@@ -13,7 +13,7 @@ def check(problem: Problem, name: str, fitted: bool) -> None:
     ------
     UsageError
         If the material has no law in `constitution.LAWS`, the initial state is given in part, a face is not held, loaded or periodic,
-        or the body has a shape and the basis fits fields, which would take the cells at its surface for full.
+        or the body has a shape and the basis fits fields, which would treat the partly filled cells at its surface as full.
     """
     require(type(problem.material) in LAWS, name, problem, "elastic and viscoelastic bodies")
     conditions = problem.boundary.values()

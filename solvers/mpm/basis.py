@@ -1,4 +1,6 @@
-"""Table of the bases, and their functions along one axis; in more dimensions a basis is made of products of these, or of means.
+"""Table of the bases, and their functions along one axis.
+
+In more dimensions a basis is made of products of these or, for CPDI, of means over the corners of a domain.
 
 To add a basis, write its kind in `splines` or `domains` (or a module of its own) and enter it in `BASES`.
 """
@@ -53,7 +55,7 @@ BASES = {
 
 
 class Axis(NamedTuple):
-    """Basis along one axis with C cells and functions of width W (as many live on a cell).
+    """Basis along one axis with C cells, on each of which W functions are non-zero.
 
     lower : float
         Lower end [m].

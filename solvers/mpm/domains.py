@@ -21,8 +21,8 @@ from .vectors import Vector, axpy, combination, dot, dyad, null, scale
 # mypy: disable-error-code="no-untyped-def"
 
 SHORTEST, LONGEST = 0.1, 0.5
-"""Half the domain of a particle of cpGIMP, as a share of that at the beginning and in cells: a rotation shrinks its diagonal to
-nothing, and beyond half a cell it would meet a fourth function."""
+"""Bounds of half the domain of a cpGIMP particle: at least 0.1 of its initial value, for a rotation shrinks the diagonal of F to zero;
+at most 0.5 cells, beyond which it would meet a fourth function."""
 
 
 class Gimp(Splines):

@@ -1,4 +1,4 @@
-"""Outputs and histories of a run: sums at every step, and the status that lets it go on."""
+"""Outputs and histories of a run: sums at every step, and the check whether the run may continue."""
 
 from math import inf
 from typing import NamedTuple

@@ -71,8 +71,8 @@ def place_particles(problem: Problem, at: Discretisation, layout: Layout = REGUL
     Notes
     -----
     A body with a shape has a particle in each sub-cell that it covers, with the volume of the covered part, at its centroid where
-    that is not the whole sub-cell. Particles at the middle would have errors as large, which fall irregularly. Offset and jitter
-    move a particle within its sub-cell. Each of several bodies has its own particles.
+    that is not the whole sub-cell. Particles at the middle of their sub-cells would have errors of the same size that fall irregularly
+    with h. Offset and jitter move a particle within its sub-cell. Each of several bodies has its own particles.
     """
     points, ends = layout.in_cell(at.ppc)
     counts = at.cells(problem)

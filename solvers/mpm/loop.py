@@ -199,7 +199,7 @@ def march_through(
 
 
 def _assembled(name: str, passes: dict[str, Any], **options: bool) -> Any:
-    """The loop with its passes, without reference counts: it allocates nothing, and they would double the time of compilation."""
+    """The loop with its passes, without reference counting: it allocates nothing, and reference counting would double the compilation time."""
     name = f"{name}_{SOURCES:08x}"
     series = compiled(refine, passes, f"refine_of_{name}", **WITHOUT_ENTRY, _nrt=False)
     return compiled(march_through, passes | {"refine": series}, name, cache=True, no_cfunc_wrapper=True, _nrt=False, **options)

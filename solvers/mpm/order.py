@@ -40,7 +40,7 @@ BEYOND = 3
 INTERVAL = 50
 """Steps after which the particles are sorted again even if none has left its strip."""
 UNSORTED = -1
-"""Instead of the step of the last sorting: the particles have to be sorted before the next step."""
+"""Mark, in place of the step of the last sorting, that the particles must be sorted before the next step."""
 ARRANGED = 4
 """Steps after which the particles of a strip are ordered again by their stencils."""
 
@@ -100,7 +100,7 @@ def strips(
     cells : tuple of int
         Numbers of cells (d,).
     width : int
-        Rows of nodes, from that of its cell on, that a particle touches, in lanes that add zero, too.
+        Rows of nodes that a particle writes to, from the row of its cell on, including rows to which unused lanes add zero.
     particles : Particles
     moving : bool
         Whether functions are evaluated at x, so that particles leave their strips.
@@ -144,8 +144,8 @@ def strips(
 def arrange(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, strips: Strips, s: int) -> int:
     """Order the particles of a strip by their first node (counting sort, stable).
 
-    A particle outside the strip or the grid counts as at the nearest node of the strip; the passes find out. A basis that
-    takes particles one by one has no use for the order.
+    A particle outside the strip or the grid counts as at the nearest node of the strip; the next pass reports it. A basis
+    that takes particles one by one is not ordered.
     """
     if not grid.kind.together:
         return PASSED

@@ -35,7 +35,7 @@ from .vectors import Vector, axpy, scale
 # mypy: disable-error-code="no-untyped-def"
 
 ONE = (0,)
-"""As long as one number is."""
+"""Tuple of length one: its holder loads one element."""
 
 
 class Kind(NamedTuple):

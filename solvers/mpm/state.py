@@ -13,7 +13,7 @@ from .vectors import Vector
 
 Integers = NDArray[np.int64]
 FAILED, STRAYED, PASSED = range(3)
-"""Status of a pass: a law failed or a particle left the grid; a particle left its strip; neither. The least one counts."""
+"""Status of a pass. FAILED: a law failed or a particle left the grid; STRAYED: a particle left its strip; PASSED: neither. The lowest wins."""
 KINETIC, STRAIN, HEAT, MOMENTUM = range(4)
 """Columns of the sums of a pass; linear momentum has a column for each direction, and angular momentum follows it."""
 

@@ -30,7 +30,7 @@ class Group(NamedTuple):
     size : int
         How many they are; 0 when the first is not on the grid.
     numbers : tuple of int
-        Their numbers, four, that of the first in the place of missing ones; one where a basis takes one particle at a time.
+        Four particle numbers; the first also stands for missing particles. One number where a basis takes particles one by one.
     present : float
         1 for each particle, 0 for missing ones.
     first : tuple of int
@@ -80,7 +80,7 @@ def places(particles: Particles, which):
 
 @traced
 def in_cells(scheme: Scheme, grid: Grid, particles: Particles, which):
-    """Distances (d,) in cells from the lower ends of four particles, by their numbers (4,), and of where their functions begin."""
+    """Positions (d,) of four particles in cells from the lower ends of the grid, and where their functions begin, by numbers (4,)."""
     x = cond(
         scheme.total,
         lambda: load_rows(particles.reference, places(particles, which), 0, grid.lower),

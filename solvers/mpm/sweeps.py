@@ -62,7 +62,7 @@ def _over_parts(one: Any) -> Any:
 
 
 def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
-    """Passes by name, with `to_grid` that combines those from particles to grid, and `fits_to_grid` that repeats it for fitted bases."""
+    """Passes by name, with `to_grid`, which combines all passes to the grid, and `fits_to_grid`, the same once more for fitted bases."""
     passes = {one.__name__: one for one in of_particles + of_nodes}
 
     def all_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:

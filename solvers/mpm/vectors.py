@@ -56,7 +56,7 @@ def cross(x: Vector, v: Vector) -> Vector:
 
 @traced
 def axial(T: Vector) -> Vector:
-    """Sum of x cross v over a row-major sum of v x^T, as `cross`."""
+    """Sum of x cross v, as `cross` gives it, from the row-major sum of v x^T."""
     if len(T) == 1:
         return (0.0,)
     return (T[2] - T[1],) if len(T) == 4 else (T[7] - T[5], T[2] - T[6], T[3] - T[1])

@@ -27,7 +27,7 @@ def for_range(begin: Any, end: Any, step: int = 1, like: Any = None) -> Iterator
     step : int
         Positive.
     like : Value or Array, optional
-        Of the function that the loop is part of; needed where begin and end are numbers of Python.
+        Any value or array of the enclosing traced function; needed where begin and end are numbers of Python.
     """
     (builder, *_) = (x.builder for x in (begin, end, like) if isinstance(x, Value | Array))
     first, last, by = (as_code(builder, x, INTEGER) for x in (begin, end, step))
@@ -44,7 +44,7 @@ def while_loop(condition: Callable[[], Value], like: Any) -> Iterator[None]:
     condition : callable
         Emits the code of the condition, which is evaluated before each round.
     like : Value or Array
-        Of the function that the loop is part of.
+        Any value or array of the enclosing traced function.
     """
     builder = like.builder
     check, body, after = (builder.append_basic_block(name) for name in ("check", "body", "after"))

@@ -20,7 +20,7 @@ from .values import INTEGER, LANES, VECTOR, Value, as_code
 BYTES = ir.IntType(8).as_pointer()
 """An address of anything."""
 NUMBERS = itertools.count()
-"""Of outlined functions: two of one name are different."""
+"""Counter that makes the names of outlined functions unique."""
 
 
 def stored(builder: ir.IRBuilder, tree: Any) -> ir.Value:

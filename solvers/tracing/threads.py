@@ -1,4 +1,4 @@
-"""Loops in threads: the thread pool of `numba.prange`, which itself would take a second more to compile."""
+"""Loops in threads, by the thread pool of `numba.prange`; `prange` itself would take a second more to compile."""
 
 import warnings
 from collections.abc import Iterator
@@ -17,8 +17,7 @@ from .values import INTEGER, Value
 TASK = ir.FunctionType(ir.VoidType(), [BYTES.as_pointer(), INTEGER.as_pointer(), INTEGER.as_pointer(), BYTES])
 """What a thread runs: addresses of its first rounds, of their number and of the step, and the shared data.
 
-Threads are given addresses, not numbers. The rounds begin at the address of the shared data, by steps of one byte: what a thread's
-address is above it is the number of its first round.
+Threads are given addresses, not numbers: round k is passed as the address of the shared data plus k bytes.
 """
 LAUNCH = ir.FunctionType(ir.VoidType(), [BYTES] * 5 + [INTEGER] * 3)
 """`numba_parallel_for`: the task and its four arguments, number of inner dimensions, number of arrays, number of threads."""

@@ -1,7 +1,7 @@
 """Tracing compiler: calling a Python function on `Value`s emits its LLVM IR.
 
-Python runs a traced function once for each call of it that is compiled. What depends on lengths and on numbers of Python is then
-known and emits no code; a loop over a tuple is unrolled. Numba sees a single instruction, where a jitted function of its own would
+Python runs a traced function once for each compiled call. What depends only on lengths of tuples and on numbers of Python is settled
+then and emits no code; a loop over a tuple is unrolled. Numba sees a single instruction, where a jitted function of its own would
 take a tenth of a second to compile.
 """
 
@@ -79,7 +79,7 @@ def traced(function: F) -> F:
     Raises
     ------
     TypeError
-        If the function takes any number of arguments; when a call is compiled, if the function branches on a value or uses one as what it is not.
+        If the function takes any number of arguments; when a call is compiled, if the function branches on a value or uses one as the wrong type.
     """
     parameters = inspect.signature(function)
     if any(one.kind is inspect.Parameter.VAR_POSITIONAL for one in parameters.parameters.values()):
