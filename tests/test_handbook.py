@@ -1,6 +1,8 @@
 """The README and the handbook: what they show runs, what they link is there, what they name exists."""
 
 import ast
+import contextlib
+import io
 import os
 import re
 import shlex
@@ -81,11 +83,13 @@ def test_every_block_of_a_page_runs_as_a_reader_would_run_it(page, tmp_path, mon
     if any(block.language in ("sh", "python") and "parsed" not in block.marks for block in shown):
         shutil.copytree(request.getfixturevalue("results"), "results")
     names: dict = {}
+    printed = io.StringIO()
     for block in shown:
         if name := block.marks.get("file"):
             Path(name).write_text(block.text, encoding="utf-8")
         elif block.language == "python":
-            exec(block.text, names)
+            with contextlib.redirect_stdout(io.StringIO()) as printed:
+                exec(block.text, names)
         elif block.language == "sh" and {"command", "parsed"} & block.marks.keys():
             if block.marks.get("command") != "test":
                 for words in commands(block):
@@ -96,7 +100,9 @@ def test_every_block_of_a_page_runs_as_a_reader_would_run_it(page, tmp_path, mon
             done = subprocess.run(["bash", "-euc", told], env=environment, capture_output=True, text=True, check=False)
             assert done.returncode == int(block.marks.get("status", 0)), f"{block.text}\n{done.stdout[-3000:]}\n{done.stderr}"
         else:
-            assert block.language in ("csv", "yaml", ""), "a language that is not run"
+            assert block.language in ("csv", "yaml", "text", ""), "a language that is not run"
+            if block.language == "text":
+                assert block.text == printed.getvalue(), "what the block before it prints"
 
 
 def test_extras_that_are_installed_exist():

@@ -155,6 +155,7 @@ def test_arguments_without_annotation_are_not_swapped(toy):
     assert found == ["    return place(a, a, b)"]
 
 
+@pytest.mark.xdist_group("faults by rule")
 def test_every_patch_changes_exactly_one_passage(by_rule):
     texts = {file: (SOURCES / file).read_text(encoding="utf-8") for file in {fault.edits[0].file for fault in by_rule}}
     for fault in by_rule:
@@ -167,12 +168,14 @@ def test_every_patch_changes_exactly_one_passage(by_rule):
     assert len({fault.id for fault in by_rule}) == len(by_rule)
 
 
+@pytest.mark.xdist_group("faults by rule")
 def test_every_planted_fault_is_valid_python(by_rule):
     for fault in (*NAMED, *sampled(by_rule, session.FAULTS_PER_RULE)):
         for text in fault.planted(SOURCES).values():
             ast.parse(text)
 
 
+@pytest.mark.xdist_group("faults by rule")
 def test_the_sample_is_large_and_spread_over_families_and_rules(by_rule):
     sample = sampled(by_rule, session.FAULTS_PER_RULE)
     assert len(sample) >= 120
@@ -200,6 +203,7 @@ def test_named_faults_are_at_least_25_with_unique_names_and_ids():
     assert len({(fault.family, fault.name) for fault in NAMED}) == len({fault.id for fault in NAMED}) == len(NAMED)
 
 
+@pytest.mark.xdist_group("faults by rule")
 def test_every_explanation_belongs_to_an_existing_fault(by_rule):
     assert set(EXPLAINED) <= {fault.id for fault in (*NAMED, *by_rule)}
 
