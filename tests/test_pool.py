@@ -1,5 +1,6 @@
 """Worker processes: a run that crashes, hangs or exits disturbs no other run, and no process is left running."""
 
+import multiprocessing
 import os
 import shutil
 import signal
@@ -9,6 +10,7 @@ import time
 from collections import deque
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from faulty_solvers import Scripted, Unreadable, plan, study
@@ -18,6 +20,7 @@ from mpmverify.dataset.files import Results
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.execution import processes as pool
 from mpmverify.execution.runner import run, tasks_of
+from mpmverify.execution.workers import Crew, Worker
 
 TESTS = Path(__file__).parent
 pytestmark = pytest.mark.skipif(not shutil.which("ps"), reason="needs ps to list the processes that are left")
@@ -210,6 +213,7 @@ INTERRUPTED = """
 import signal
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from faulty_solvers import Scripted, plan, study
 from mpmverify.execution.runner import run
 
@@ -262,3 +266,36 @@ def test_a_scheduler_without_dask_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(UsageError, match=r"--scheduler needs dask\.distributed: pip install 'mpmverify\[distributed\]'"):
         list(run([study()], plan(tmp_path, scheduler="tcp://nowhere:1")))
+
+
+def test_no_process_can_solve_nothing(tmp_path):
+    with pytest.raises(UsageError, match="0 worker processes can solve nothing"):
+        list(pool.over_processes(tasks_of(study(levels=1), plan(tmp_path)), 0, timeout=60.0))
+
+
+def test_a_process_that_died_while_idle_is_replaced_and_its_next_task_is_done():
+    worker = Worker(Crew(abs, lambda task, failure, reason: reason, 60.0))
+    try:
+        worker.start(-1)
+        while (finished := worker.receive()) is None:
+            pass
+        assert finished == (-1, 1)
+        worker.process.kill()
+        worker.process.join()
+        worker.start(-2)
+        while (finished := worker.receive()) is None:
+            pass
+        assert finished == (-2, 2)
+    finally:
+        worker.stop()
+
+
+def test_a_process_that_cannot_start_says_why_and_leaves_the_others_to_be_ended():
+    def refuse():
+        raise OSError("no more processes")
+
+    refusing = SimpleNamespace(Pipe=multiprocessing.Pipe, Process=lambda **_: SimpleNamespace(start=refuse))
+    tasks = iter([1, 2])
+    crew = Crew(abs, lambda task, failure, reason: reason, 60.0, context=refusing)
+    with pytest.raises(OSError, match="no more processes"):
+        list(crew.results(lambda worker, workers: next(tasks, None), 2))

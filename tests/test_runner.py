@@ -457,3 +457,21 @@ def test_a_series_without_a_finished_run_does_not_affect_another_of_its_solver(t
     entry = judged_once(declared, tmp_path)
     assert verdicts(entry) == [Verdict.PASS, Verdict.ERROR]
     assert read_tree(Results(tmp_path).study("scripted"))["scripted-raises/histories"].sizes["shown"] == 1
+
+
+@dataclasses.dataclass(frozen=True)
+class Mine(Order):
+    """A criterion of somebody's own."""
+
+
+def named_as_a_shipped_one():
+    return dataclasses.make_dataclass("Order", [], bases=(Order,), frozen=True)
+
+
+@pytest.mark.parametrize("kind", [Mine, named_as_a_shipped_one()], ids=["Mine", "Order"])
+def test_a_criterion_that_the_file_would_not_give_back_is_refused_before_anything_is_solved(tmp_path, kind):
+    """The gate would judge the stored study by another criterion of that name, or by none."""
+    declared = study(criteria=(kind("u", "L2", 1.9, 2.1, "made so"),))
+    with pytest.raises(UsageError, match=f"the criterion '{kind.__name__}' of scripted/hill .* cannot be stored"):
+        list(run([declared], plan(tmp_path / "results")))
+    assert not (tmp_path / "results").exists()

@@ -20,9 +20,9 @@ from mpmverify.exact.advection import Gaussian, Inflow, advection
 from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic_bar
 from mpmverify.execution.runner import run
 from mpmverify.execution.verify import verify
-from mpmverify.problem import Constant, Outflow
+from mpmverify.problem import Constant, Discretisation, Outflow
 from mpmverify.solvers.mpm import MaterialPoint
-from mpmverify.study import design, halving, in_time
+from mpmverify.study import Refinement, design, halving, in_time
 
 HILL = study()
 
@@ -330,3 +330,11 @@ def test_a_quantity_missing_on_one_level_is_absent_and_a_missing_metric_is_nan()
     assert seen.error["u"].shape == (2, 4)
     assert seen.metrics["mass_defect"][0] == 0
     assert np.isnan(seen.metrics["mass_defect"][1])
+
+
+def test_levels_that_differ_in_the_seed_alone_are_judged_by_what_needs_no_order():
+    levels = tuple(Discretisation(1 / 8, 0.5, 2, jitter=0.1, seed=seed) for seed in (1, 2))
+    found = verify(
+        Plain(), HILL, refinement=Refinement("seeds", levels, 2), criteria=[Balance("mass", "", "conservation form")]
+    )
+    assert [finding.verdict for finding in found] == [Verdict.PASS]

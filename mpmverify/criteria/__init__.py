@@ -5,10 +5,12 @@ runs, and the criteria that judge it. To add a criterion, write its class in the
 below. Verdicts on a whole study are made in `judgement`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.errors import Exact, Order, Published, Stall
+from mpmverify.criteria.evidence import SeriesId
 from mpmverify.criteria.field_sums import FieldSums
 from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift
 from mpmverify.criteria.modes import Amplification
@@ -16,6 +18,7 @@ from mpmverify.criteria.outcomes import Unstable
 from mpmverify.criteria.sources import Separated
 from mpmverify.criteria.stability import StabilityLimit
 from mpmverify.criteria.waves import AmplitudeDecay, Dispersion, FrontPosition, PhaseError
+from mpmverify.errors import UsageError
 
 __all__ = [
     "CRITERIA",
@@ -36,6 +39,7 @@ __all__ = [
     "StabilityLimit",
     "Stall",
     "Unstable",
+    "check_storable",
 ]
 
 CRITERIA: Mapping[str, type[Any]] = {
@@ -61,3 +65,21 @@ CRITERIA: Mapping[str, type[Any]] = {
     )
 }
 """Criteria by name, as stored in results files."""
+
+
+def check_storable(study: str, declared: Mapping[SeriesId, Sequence[Criterion]]) -> None:
+    """Refuse criteria that a file does not give back: they are stored by the name of their class.
+
+    Raises
+    ------
+    UsageError
+        If a criterion is not of a class in `CRITERIA`.
+    """
+    for series, criteria in declared.items():
+        for criterion in criteria:
+            kind = type(criterion)
+            if CRITERIA.get(kind.__name__) is not kind:
+                raise UsageError(
+                    f"the criterion {kind.__name__!r} of {study}/{series.case} is not one of mpmverify.criteria and cannot be stored: "
+                    f"choose from {', '.join(CRITERIA)}, or judge it with the fixture `verify`"
+                )

@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
 
+from mpmverify.errors import UsageError
 from mpmverify.execution.evaluation import Evaluated, Task, evaluate, failed
 from mpmverify.execution.workers import Crew, Failure, Worker
 from mpmverify.solution import Status
@@ -35,7 +36,7 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
     Raises
     ------
     UsageError
-        If a task cannot be sent to a process, or a process cannot begin.
+        If there is no process, a task cannot be sent to one, or one cannot begin.
     MpmverifyError
         What a worker raised: misuse, or a damaged results folder.
     """
@@ -51,6 +52,8 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
         taken = {other.latest.study for other in workers if other.latest}
         return _next(waiting, worker.latest.study if worker.latest else "", taken, compiling)
 
+    if jobs < 1:
+        raise UsageError(f"{jobs} worker processes can solve nothing: give at least 1")
     jobs = min(jobs, sum(map(len, waiting.values())))
     for task, evaluated in Crew(evaluate, _failed, timeout).results(take, jobs):
         compiled.add(task.kernel)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from mpmverify.criteria import check_storable
 from mpmverify.criteria.evidence import evidence_by_series
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.verdicts import StoredVerdicts, read_verdicts, write_verdicts
@@ -114,6 +115,8 @@ def run(
     UsageError, ResultsError
         On misuse, or when a file of the results folder is damaged or cannot be written.
     """
+    for study in studies:
+        check_storable(study.name, study.criteria())
     plan.results.create()
     stored = read_verdicts(plan.results)
     work: dict[str, list[Task]] = {}

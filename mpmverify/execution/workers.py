@@ -99,8 +99,9 @@ class Crew(Generic[T, R]):
                     elif time.monotonic() >= worker.deadline:
                         yield worker.abandon(Failure.TIMED_OUT, f"no result within {self.limit:g} s")
         finally:
-            for worker in workers:
-                worker.stop()
+            with contextlib.ExitStack() as stopping:
+                for worker in workers:
+                    stopping.callback(worker.stop)
 
 
 class Worker(Generic[T, R]):
@@ -135,8 +136,10 @@ class Worker(Generic[T, R]):
         self.task, self.latest, self.deadline = task, task, time.monotonic() + START_UP + self.crew.limit
         try:
             self.connection.send(task)
-        except BrokenPipeError:  # the process died while idle: receiving says so
-            pass
+        except ConnectionError:  # the process died while idle, of which the task knows nothing
+            self.stop()
+            self._spawn()
+            self.connection.send(task)
         except (AttributeError, TypeError, pickle.PicklingError) as error:
             raise UsageError(
                 f"{task} cannot be sent to a worker process ({error}): define the class at the top of a module"
@@ -144,18 +147,23 @@ class Worker(Generic[T, R]):
 
     def _spawn(self) -> None:
         context = self.crew.context or multiprocessing.get_context("spawn")
-        self.connection, theirs = context.Pipe()
-        self.ready = False
-        self.process = context.Process(target=_serve, args=(theirs, self.crew.work, self.crew.processor_limit), daemon=True)
-        with no_interrupt(), environment(self.crew.environment or {}):
-            self.process.start()
-        theirs.close()
+        ours, theirs = context.Pipe()
+        process = context.Process(target=_serve, args=(theirs, self.crew.work, self.crew.processor_limit), daemon=True)
+        try:
+            with no_interrupt(), environment(self.crew.environment or {}):
+                process.start()
+        except BaseException:
+            ours.close()
+            raise
+        finally:
+            theirs.close()
+        self.process, self.connection, self.ready = process, ours, False
 
     def receive(self) -> tuple[T, R] | None:
         """Take a message of the process; None when it does not finish the task."""
         try:
             message = self.connection.recv()
-        except (EOFError, ConnectionResetError):
+        except (EOFError, OSError):  # the latter in the middle of a message
             return self._dead()
         if message == READY:
             self.ready = True
@@ -172,7 +180,7 @@ class Worker(Generic[T, R]):
     def _dead(self) -> tuple[T, R]:
         self.process.join()
         code, limit = self.process.exitcode, self.crew.processor_limit
-        if not self.ready:
+        if not self.ready and code >= 0:  # no signal has ended it
             raise UsageError(
                 f"a worker process ended before it began, with exit status {code}: a script must keep what it does under "
                 "`if __name__ == '__main__':`, since its workers import it too"
@@ -235,8 +243,9 @@ def _limit(processor_time: float | None) -> None:
     if processor_time is not None and OUT_OF_TIME is not None:
         import resource  # a platform with this signal has this module
 
-        limit = math.ceil(time.process_time() + processor_time)
-        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
+        limit, (_, hard) = math.ceil(time.process_time() + processor_time), resource.getrlimit(resource.RLIMIT_CPU)
+        if hard == resource.RLIM_INFINITY or limit < hard:
+            resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5 if hard == resource.RLIM_INFINITY else hard))
 
 
 @contextlib.contextmanager

@@ -61,5 +61,5 @@ def judge_criterion(criterion: Criterion, evidence: Evidence) -> Judgement:
     except KeyError as missing:
         return (
             Verdict.ERROR,
-            f"{missing} was not measured on this series: the solver does not return it, or the results are old",
+            f"{missing} was not measured on this series: the solver does not return it, it is not finite, or the results are old",
         )

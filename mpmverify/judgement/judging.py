@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from mpmverify.convergence import Convergence
 from mpmverify.convergence.sources import Separation
@@ -25,21 +26,28 @@ class Judged:
     ----------
     evidence : mapping of SeriesId to Evidence
         Evidence of each series.
+    declared : mapping of SeriesId to sequence of Criterion
+        Criteria of each series.
     by_series : mapping of SeriesId to tuple of Finding
         Findings of each series, ordered by solver.
     missing_series : Finding or None
         Finding on series that are in the baseline but not in the results; None if there are none.
-    fits : mapping of SeriesId to Fits
-        Analysis of each error; empty for a design, which has no single order.
-    separations : mapping of SeriesId to tuple of (Separated, Separation)
-        Sources of error, for each criterion that separates them.
     """
 
     evidence: Mapping[SeriesId, Evidence]
+    declared: Mapping[SeriesId, Sequence[Criterion]]
     by_series: Mapping[SeriesId, tuple[Finding, ...]]
     missing_series: Finding | None
-    fits: Mapping[SeriesId, Fits]
-    separations: Mapping[SeriesId, tuple[tuple[Separated, Separation], ...]]
+
+    @cached_property
+    def fits(self) -> Mapping[SeriesId, Fits]:
+        """Analysis of each error; empty for a design, which has no single order."""
+        return {series: _fits(self.evidence[series]) for series in self.by_series}
+
+    @cached_property
+    def separations(self) -> Mapping[SeriesId, tuple[tuple[Separated, Separation], ...]]:
+        """Sources of error, for each criterion that separates them."""
+        return {series: _separations(self.declared.get(series, ()), self.evidence[series]) for series in self.by_series}
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -73,7 +81,7 @@ def judge(
     ResultsError
         If a criterion is declared for a series without evidence; it must not be skipped silently.
     """
-    for series in declared.keys() - evidence.keys():
+    for series in (series for series in declared if series not in evidence):
         for criterion in declared[series]:
             where = f"{study}/{series.case}/{series.solver} ({series.refinement})"
             raise ResultsError(f"{criterion.title!r} is declared for {where}, which has no results: run it again")
@@ -81,12 +89,11 @@ def judge(
     ordered = sorted(evidence, key=lambda series: solvers.index(series.solver))
     return Judged(
         evidence=evidence,
+        declared=declared,
         by_series={
             series: _findings(study, series, declared.get(series, ()), evidence[series], baseline) for series in ordered
         },
         missing_series=baseline.missing_series(study, ordered, restricted_to) if baseline else None,
-        fits={series: _fits(evidence[series]) for series in ordered},
-        separations={series: _separations(declared.get(series, ()), evidence[series]) for series in ordered},
     )
 
 

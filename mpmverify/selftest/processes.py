@@ -41,7 +41,7 @@ def each_alone(
 
     Raises
     ------
-    RuntimeError
+    RuntimeError, MpmverifyError
         If `work` raised: that is no verdict on the task.
     """
 

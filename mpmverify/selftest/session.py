@@ -2,6 +2,7 @@
 
 import json
 import tempfile
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
@@ -209,7 +210,11 @@ def _one_dimensional(trials: Sequence[Study]) -> bool:
 
 def _judge(task: tuple[FaultJudge, Fault]) -> FaultResult:
     judge, fault = task
-    return judge.judge(fault)
+    try:
+        return judge.judge(fault)
+    except Exception:
+        traceback.print_exc()  # here, where the place is known: the error reaches the caller as text
+        raise
 
 
 def _failed(reason: str, *, undecided: bool) -> FaultResult:

@@ -56,7 +56,8 @@ AFLIP = Transfer("aflip", 1.0, affine="moment")
 """FLIP with the affine part of APIC: v_p += dt sum_I N_Ip a_I and B_p = sum_I v_I N_Ip (x_I - x_p)^T.
 
 It conserves linear momentum, but not angular momentum: that changes as the affine parts do when v_I of the old velocities is projected
-back on the particles. It damps less than APIC. Fei and others, 2021, doi:10.1145/3450626.3459678, without their separation.
+back on the particles, and since particles move by sum_I v_I N_Ip and not by v_p. It damps less than APIC. Fei and others, 2021,
+doi:10.1145/3450626.3459678, without their separation, and with all of the increment, where they take 0.99 of it.
 """
 TRANSFERS = (FLIP, PIC, APIC, TPIC, AFLIP)
 """Transfers without a parameter; `blend`, `xpic` and `fmpm` make others."""
