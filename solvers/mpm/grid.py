@@ -38,6 +38,22 @@ def _pass(at_node: Callable[..., None]) -> Any:
     return traced(over_nodes)
 
 
+SMALLEST = 1e-290
+"""Part of the mass of the heaviest particle below which a nodal mass has lost its digits."""
+
+
+@traced
+def least_mass(grid: Grid, heaviest: float, massless: float) -> float:
+    """Nodal mass above which p_I/m_I is a velocity [kg].
+
+    Momentum and mass of a node are sums over the same particles with weights that are not negative. Their quotient is a mean of the
+    particles' velocities and well conditioned, however small the mass. A node that had no velocity instead would strain the body, since
+    the slope of its function is 1/h even where a particle on a cell edge gives it a mass of 1e-16. Fitted bases give a node mass and
+    momentum by integrals of two polynomials, whose quotient is no mean.
+    """
+    return massless if grid.kind.fitted else SMALLEST * heaviest
+
+
 @_pass
 def clear(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i) -> None:
     """Zero mass, momentum and forces."""
@@ -50,7 +66,7 @@ def clear(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: fl
 def nodal_velocity(
     zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i
 ) -> None:
-    """v_I = p_I/m_I, or 0 at massless nodes; `sums` (d,) is minus the momentum that is lost there."""
+    """v_I = p_I/m_I, or 0 at massless nodes, see `least_mass`; `sums` (d,) is minus the momentum that is lost there."""
     mass, lost = nodes.inertia[0, i], []
     for c in range(len(zero)):
         momentum = nodes.inertia[1 + c, i]

@@ -16,6 +16,7 @@ from .grid import (
     join,
     kick_nodes,
     leapfrog,
+    least_mass,
     load_faces,
     nodal_velocity,
     weigh,
@@ -43,7 +44,7 @@ from .vectors import with_mass
 SOURCES = checksum(Path(__file__).parent)
 """Checksum of this package and of its compiler, part of the names of the loops: the disk cache compiles them anew when a file changes."""
 MASSLESS = 1e-12
-"""Nodes with less than this part of the mass of the heaviest particle have no velocity: f/m would overflow."""
+"""Nodes with less than this part of the mass of the heaviest particle have no acceleration: f/m would overflow. See `least_mass`."""
 
 
 def refine(
@@ -54,7 +55,7 @@ def refine(
     nodes,
     faces,
     strips,
-    massless,
+    least,
     values,
     total,
     reaction,
@@ -69,7 +70,7 @@ def refine(
         begin_series(grid, nodes, values)
         for _ in range(series.terms - 1):
             smooth(scheme, grid, particles, nodes, strips, 0)
-            add_term(grid, nodes, faces, massless, total, reaction, added)
+            add_term(grid, nodes, faces, least, total, reaction, added)
 
 
 def march_through(
@@ -119,6 +120,7 @@ def march_through(
     for p in range(particles.place.size):
         heaviest = max(heaviest, particles.state[p, columns_of(grid.lower, particles.deformation).mass])
     massless, last, count = MASSLESS * heaviest, faces.force.shape[1] - 1, nodes.inertia.shape[1]
+    least = least_mass(grid, heaviest, massless)
     many, series, turns = strips.passed.size > 1, scheme.series, full_mass(scheme)
     velocity, nodal_body = nodes.velocity, body if scheme.nodal_body else body[:0]
     zero = grid.lower
@@ -143,12 +145,12 @@ def march_through(
         if to_grid(scheme, grid, particles, nodes, strips, 0, step) == FAILED:
             return LEFT_GRID, n, output
         join(grid, nodes.inertia, with_mass(0.0, zero))
-        nodal_velocity(zero, nodes, strips, velocity, massless, 0.0, 0.0, added, 0, count)
+        nodal_velocity(zero, nodes, strips, velocity, least, 0.0, 0.0, added, 0, count)
         hold_velocity(grid, nodes, faces, n, velocity, added)
         sums = velocity if turns else nodes.projected
         if series is not None and not turns:
             sums[:] = 0.0
-        refine(series, scheme, grid, particles, nodes, faces, strips, massless, velocity, sums, 0.0, added)
+        refine(series, scheme, grid, particles, nodes, faces, strips, least, velocity, sums, 0.0, added)
         if not forces:
             passed = strain_particles(scheme, grid, particles, nodes, strips, 0, step)
             if passed == FAILED:
@@ -162,7 +164,7 @@ def march_through(
         hold_acceleration(grid, nodes, faces, n, dt)
         if turns:
             sums = nodes.acceleration
-            refine(series, scheme, grid, particles, nodes, faces, strips, massless, sums, sums, 1.0, added)
+            refine(series, scheme, grid, particles, nodes, faces, strips, least, sums, sums, 1.0, added)
         recording = outputs.step[output] == n
         if recording:
             first, stop = strips.particles[0], strips.particles[-1]
@@ -184,11 +186,11 @@ def march_through(
         if scheme.schedule == MUSL:
             fits_to_grid(scheme, grid, particles, nodes, strips, 0, Step(body, n - begin, n, dt, recorded, False, True))
             join(grid, nodes.inertia, with_mass(0.0, zero))
-            nodal_velocity(zero, nodes, strips, nodes.projected, massless, 0.0, 0.0, added, 0, count)
+            nodal_velocity(zero, nodes, strips, nodes.projected, least, 0.0, 0.0, added, 0, count)
             hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)
             if turns:
                 sums = nodes.projected
-                refine(series, scheme, grid, particles, nodes, faces, strips, massless, sums, sums, 0.0, added)
+                refine(series, scheme, grid, particles, nodes, faces, strips, least, sums, sums, 0.0, added)
             passed = strain_particles(scheme, grid, particles, nodes, strips, 0, step)
             add_heat(strips, running)
         if passed == FAILED:
