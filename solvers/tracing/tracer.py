@@ -107,6 +107,7 @@ def traced(function: F) -> F:
             plain = tuple(types.unliteral(arg) for arg in args)
             return signature(result_type(plain), *plain)
 
+        # numba reads the names of the parameters there; a type checker knows no such attribute of a function.
         typed.__signature__ = parameters  # type: ignore[attr-defined]
         return typed
 
