@@ -26,9 +26,9 @@ from mpmverify.problem import (
     Transport,
     Velocity,
 )
+from mpmverify.problem.particles import place_particles
 from mpmverify.solution import Status
 from mpmverify.solvers.mpm import AFLIP, APIC, FLIP, GAUSS, PIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
-from mpmverify.solvers.mpm.layout import place_particles
 from mpmverify.solvers.mpm.transfers import TRANSFERS
 
 FIXED, FREE = Velocity(), Traction()

@@ -26,8 +26,8 @@ from mpmverify.problem import (
     Traction,
     Velocity,
 )
+from mpmverify.problem.particles import SLIVER, place_particles
 from mpmverify.solvers.mpm import APIC, FLIP, GAUSS, REGULAR, Layout, MaterialPoint, fmpm, offset
-from mpmverify.solvers.mpm.layout import SLIVER, place_particles
 
 CENTERS = st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 DISKS = st.builds(Disk, CENTERS, st.floats(0.05, 0.7))

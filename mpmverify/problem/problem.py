@@ -120,6 +120,13 @@ class Problem:
             return np.asarray(self.initial[quantity](points), dtype=float).reshape(shape)
         return np.zeros(shape)
 
+    def force(self, X: Array, x: Array, t: float) -> Array:
+        """Return the body force (P, dim) [m/s^2] at a time [s], at points with reference positions X and positions x (P, dim) [m]."""
+        if self.body_force is None:
+            return np.zeros(x.shape)
+        force, points = (self.body_force.force, x) if isinstance(self.body_force, Spatial) else (self.body_force, X)
+        return np.asarray(force(points, np.array([t], dtype=float)), dtype=float)[0]
+
 
 def require(condition: Any, solver: str, problem: Problem, what: str) -> None:
     """Raise a `UsageError` that says `what` the solver accepts, unless the condition holds."""

@@ -8,9 +8,8 @@ from textwrap import indent
 from mpmverify.selftest.faults import Edit, Fault
 
 MPM, TG, FEM = "mpm", "taylor_galerkin", "fem"
-BASIS, FACES, GRID, HISTORIES, LAW, LAYOUT, LOOP, PASSES, SOLVER, TENSORS = (
-    f"mpm/{name}.py"
-    for name in ("basis", "faces", "grid", "histories", "constitution", "layout", "loop", "passes", "solver", "tensors")
+BASIS, FACES, GRID, HISTORIES, LAW, LOOP, PASSES, SOLVER, TENSORS = (
+    f"mpm/{name}.py" for name in ("basis", "faces", "grid", "histories", "constitution", "loop", "passes", "solver", "tensors")
 )
 AFFINE, DEFORMATION, HYPERELASTIC = "mpm/affine.py", "mpm/deformation.py", "mpm/hyperelastic.py"
 SMALL_STRAIN, SPLINES = "mpm/small_strain.py", "mpm/splines.py"
@@ -41,6 +40,7 @@ REPROJECTED = "            hold_velocity(grid, nodes, faces, n + 1, nodes.projec
 CLEARED, KEEP_MASS = "for c in range(count):", "for c in range(count - len(zero), count):"
 CONSTANTS = "float(material.lame_lambda), float(material.shear_modulus)"
 SWAPPED = "float(material.shear_modulus), float(material.lame_lambda)"
+PLACED = "reference, volume = place_particles(problem, discretisation, self.layout)\n        "
 CONTOUR = "                    R[i, k] -= dt * contour\n"
 ACCOUNT = "                    gain[n + 1, k] -= dt * contour\n"
 MODULUS = "-(material.lame_lambda + 2 * material.shear_modulus)"
@@ -184,12 +184,12 @@ MATERIAL_POINT = (
     _fault(
         MPM,
         "particle volume set to the volume of its cell",
-        (LAYOUT, "volume = size.prod(axis=1)", "volume = (at.ppc * size).prod(axis=1)"),
+        (SOLVER, PLACED, f"{PLACED}volume *= discretisation.ppc ** problem.dimension\n        "),
     ),
     _fault(
         MPM,
         "particles shifted from the centres of their subcells",
-        (LAYOUT, "(np.arange(ppc) + 0.5) / ppc", "(np.arange(ppc) + 0.25) / ppc"),
+        (SOLVER, PLACED, f"{PLACED}reference -= 0.25 * discretisation.h / discretisation.ppc\n        "),
     ),
     _fault(MPM, "knots of the quadratic B-splines not clamped at the boundary", (BASIS, "np.clip(knots, 0, cells)", "knots")),
     _fault(
@@ -199,7 +199,7 @@ MATERIAL_POINT = (
         (SPLINES, "scale(grid.scale, axpy(xi, c2, inner))", "axpy(xi, c2, inner)"),
     ),
     _fault(MPM, "nodal masses not reset to zero", (GRID, CLEARED, KEEP_MASS)),
-    _fault(MPM, "nodes of small mass treated as massless", (LOOP, "MASSLESS = 1e-12", "MASSLESS = 1.2")),
+    _fault(MPM, "nodes of small mass treated as massless", (GRID, "MASSLESS = 1e-12", "MASSLESS = 1.2")),
     _fault(MPM, "full velocity update instead of the initial half step", (GRID, "(0.0, 0.5 * dt))", "(0.0, dt))")),
     _fault(MPM, "velocity recorded half a time step early", (GRID, "(0.5 * dt, dt)", "(0.0, dt)")),
     _fault(

@@ -8,7 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.problem import Array, Discretisation, LinearElastic, Periodic, Problem, Spatial, output_steps, require
+from mpmverify.problem import (
+    REGULAR,
+    Array,
+    Discretisation,
+    Layout,
+    LinearElastic,
+    Periodic,
+    Problem,
+    Spatial,
+    output_steps,
+    place_particles,
+    require,
+)
 from mpmverify.solution import Outcome, Solution, Status, Work
 
 from ..tracing import start_threads
@@ -19,7 +31,6 @@ from .basis import BASES, Axis, Basis, basis_axis, grid_of
 from .constitution import LAWS, LINEAR_ELASTIC, constitution
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
 from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSTABLE, Outputs, by_component, no_histories
-from .layout import REGULAR, Layout, place_particles
 from .order import Strips, strips
 from .reconstruction import cells_of
 from .splines import MovingLeastSquares
