@@ -17,8 +17,6 @@ from mpmverify.problem.quantities import SYMMETRIC
 
 STEP = 1e-40
 """Imaginary step of the derivatives: its square vanishes beside 1, so that nothing is truncated and nothing cancels."""
-CHUNK = 4096
-"""Points whose tensors are held at once."""
 ABSCISSAE, WEIGHTS = np.polynomial.legendre.leggauss(16)
 """Gauss-Legendre rule of `logarithm`, on [-1, 1]."""
 
@@ -174,7 +172,7 @@ def cauchy_stress(law: LinearElastic, gradient: Array) -> Array:
 def independent(symmetric: Tensor) -> Tensor:
     """Return the independent components (components, ...) of a symmetric tensor (dim, dim, ...), in the order of `SYMMETRIC`."""
     pairs = SYMMETRIC.get(len(symmetric), ("xx",))
-    return np.stack([symmetric["xyz".index(i), "xyz".index(j)] for i, j in pairs])
+    return np.stack([symmetric["xyz".index(pair[0]), "xyz".index(pair[1])] for pair in pairs])
 
 
 def body_force(law: LinearElastic, gradient: Array, second: Array, acceleration: Array) -> Array:
@@ -201,23 +199,12 @@ def body_force(law: LinearElastic, gradient: Array, second: Array, acceleration:
     Squire W., Trapp G. (1998). Using complex variables to estimate derivatives of real functions. SIAM Review 40(1), 110-112,
     doi:10.1137/S003614459631241X.
     """
-    dimension = acceleration.shape[-1]
-    H = gradient.reshape(-1, dimension, dimension)
-    H_X = second.reshape(-1, dimension, dimension, dimension)
-    divergence = np.concatenate(
-        [divergence_of_stress(law, H[k : k + CHUNK], H_X[k : k + CHUNK]) for k in range(0, len(H), CHUNK)]
-    )
-    return acceleration - divergence.reshape(acceleration.shape) / law.density
-
-
-def divergence_of_stress(law: LinearElastic, gradient: Array, second: Array) -> Array:
-    """Return Div P (P, dim) [N/m^3] of the same arrays at points (P, ...)."""
-    H = np.ascontiguousarray(np.moveaxis(gradient, 0, -1))
-    along = np.ascontiguousarray(np.moveaxis(second, (3, 1, 2, 0), (0, 1, 2, 3)))
-    found = np.zeros(H.shape[1:])
+    H = np.ascontiguousarray(np.moveaxis(gradient, (-2, -1), (0, 1)))
+    along = np.ascontiguousarray(np.moveaxis(second, (-1, -3, -2), (0, 1, 2)))
+    divergence = np.zeros(H.shape[1:])
     for j, slope in enumerate(along):
         moved = H + 1j * STEP * slope
         change, tau = kirchhoff_stress(law, moved)
         column = np.einsum("ik...,k...->i...", tau, cofactor(shifted(1.0, moved))[:, j]) / (1 + change)
-        found += column.imag / STEP
-    return found.T
+        divergence += column.imag / STEP
+    return acceleration - np.moveaxis(divergence, 0, -1) / law.density

@@ -14,6 +14,8 @@ from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, BoundaryCondition, LinearElastic, Problem
 from mpmverify.problem.material import KelvinVoigt, Maxwell
 
+POINTS = 4096
+"""Number of points and times whose force is evaluated at once: their tensors fit a cache."""
 ELASTIC = r"\sigma = \lambda\, \mathrm{tr}(\varepsilon) I + 2\mu\, \varepsilon"
 LAWS: Mapping[type[LinearElastic], str] = {
     KelvinVoigt: r"\sigma = C : (\varepsilon + \theta \dot\varepsilon)",
@@ -163,17 +165,16 @@ class FiniteWaves(PlaneWaves):
 
     def force(self, X: Array, t: Array) -> Array:
         """Return the body force b = u_tt - Div P/rho (T, P, dim) [m/s^2], see `body_force`."""
-        amplitudes = self._at(t, 0)
-        frequencies = [wave.frequency(self.material) for wave in self.waves]
-        acceleration = [-(omega**2) * q for omega, q in zip(frequencies, amplitudes, strict=True)]
-        return body_force(
-            self.material, self._sum(X, amplitudes, 1), self._sum(X, amplitudes, 2), self._sum(X, acceleration, 0)
-        )
+        some = max(1, POINTS // len(X))
+        return np.concatenate([self._force(X, t[k : k + some]) for k in range(0, len(t), some)])
+
+    def _force(self, X: Array, t: Array) -> Array:
+        law, q = self.material, self._at(t, 0)
+        acceleration = [-(wave.frequency(law) ** 2) * amplitude for wave, amplitude in zip(self.waves, q, strict=True)]
+        return body_force(law, self._sum(X, q, 1), self._sum(X, q, 2), self._sum(X, acceleration, 0))
 
 
-def p_and_s(
-    wavenumber: Sequence[float], across: Sequence[float], strain: float
-) -> tuple[tuple[tuple[float, ...], float], tuple[tuple[float, ...], float]]:
+def p_and_s(wavenumber: Sequence[float], across: Sequence[float], strain: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return the polarisation [m] of a P wave and of an S wave of one wavenumber [rad/m], each with the same strain amplitude [1].
 
     Parameters
