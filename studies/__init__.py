@@ -22,6 +22,7 @@ NAMES = (
     "large-deformation",
     "expanding-ring",
     "generalised-vortex",
+    "plane-waves",
     "mpm-stability",
 )
 BASELINE = Path(__file__).with_name("baseline.json")
