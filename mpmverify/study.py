@@ -29,12 +29,12 @@ class Refinement:
     levels : tuple of Discretisation
         Levels, coarsest first.
     quick : int
-        Number of levels, from the coarsest, in the quick tier.
+        Number of levels, from the coarsest, in the quick tier; 0 for a ladder of the full tier alone.
 
     Raises
     ------
     UsageError
-        If `quick` is less than 1 or exceeds the number of levels.
+        If there is no level, or `quick` is negative or exceeds the number of levels.
     """
 
     label: str
@@ -42,9 +42,9 @@ class Refinement:
     quick: int
 
     def __post_init__(self) -> None:
-        if not 1 <= self.quick <= len(self.levels):
+        if not self.levels or not 0 <= self.quick <= len(self.levels):
             raise UsageError(
-                f"ladder {self.label!r} has {len(self.levels)} levels: let the quick tier run 1 to {len(self.levels)}, not {self.quick}"
+                f"ladder {self.label!r} has {len(self.levels)} levels: let the quick tier run 0 to {len(self.levels)}, not {self.quick}"
             )
 
     def tier(self, tier: str) -> tuple[Discretisation, ...]:
@@ -251,6 +251,25 @@ class Study:
         return {
             SeriesId(case.name, series.solver.name, series.refinement.label): series.criteria for case, series in self.series()
         }
+
+    def in_tier(self, tier: str) -> "Study":
+        """Return the study with only the series that have levels in a tier, and the cases that have such series.
+
+        Parameters
+        ----------
+        tier : str
+            "quick" or "full".
+
+        Raises
+        ------
+        UsageError
+            If there is no such tier.
+        """
+        cases = (
+            dataclasses.replace(case, series=tuple(series for series in case.series if series.refinement.tier(tier)))
+            for case in self.cases
+        )
+        return dataclasses.replace(self, cases=tuple(case for case in cases if case.series))
 
     def solvers(self) -> dict[str, Solver]:
         """Return the solvers by name, in the order of declaration."""

@@ -19,6 +19,7 @@ NAMES = (
     "driven-bar",
     "dispersion",
     "error-sources",
+    "patch-tests",
     "large-deformation",
     "expanding-ring",
     "generalised-vortex",

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mpmverify.criteria.criterion import Criterion
-from mpmverify.criteria.errors import Exact, Order, Published, Stall
+from mpmverify.criteria.errors import Exact, Order, Published, Reproduced, Stall
 from mpmverify.criteria.evidence import SeriesId
 from mpmverify.criteria.field_sums import FieldSums
 from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift
@@ -35,6 +35,7 @@ __all__ = [
     "Order",
     "PhaseError",
     "Published",
+    "Reproduced",
     "Separated",
     "StabilityLimit",
     "Stall",
@@ -49,6 +50,7 @@ CRITERIA: Mapping[str, type[Any]] = {
         Stall,
         Exact,
         Published,
+        Reproduced,
         Separated,
         Balance,
         FieldSums,

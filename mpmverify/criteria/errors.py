@@ -11,6 +11,7 @@ from mpmverify.criteria.bounds import judge_largest
 from mpmverify.criteria.criterion import OnLimits, Setting
 from mpmverify.criteria.evidence import Evidence
 from mpmverify.criteria.norms import NORMS
+from mpmverify.problem import UNITS, Block
 from mpmverify.solution import Solution
 
 
@@ -150,3 +151,57 @@ class Published(ErrorCriterion):
         units = np.abs(pairs[:, 0] - pairs[:, 1]) / 10.0 ** (np.floor(np.log10(pairs[:, 1])) - self.digits + 1)
         verdict, reason = judge_largest(units, 0.5, f"deviation in units of digit {self.digits}")
         return verdict, f"{reason}, {len(pairs)} levels"
+
+
+@dataclass(frozen=True)
+class Reproduced:
+    """The scheme reproduces a field at every point and at every time, or deviates from it by a known amount.
+
+    Parameters
+    ----------
+    quantity : str
+    scale : float
+        Size by which the deviation is divided, in the unit of the quantity.
+    bound : float
+        Largest deviation relative to the scale.
+    source : str
+    low : float
+        Least deviation; above zero for a known limit of the scheme.
+    inside : float
+        Distance from the surface of the body, or of the box that it fills, of the points that are compared [m].
+    """
+
+    quantity: str
+    scale: float
+    bound: float
+    source: str
+    low: float = 0.0
+    inside: float = 0.0
+
+    @property
+    def title(self) -> str:
+        where = f", {self.inside:g} m inside" if self.inside else ""
+        amount = f"off by {self.low:g} to {self.bound:g}" if self.low else f"reproduced to {self.bound:g}"
+        return f"{self.quantity} {amount} of {self.scale:g} {UNITS[self.quantity]}{where}"
+
+    @property
+    def _metric(self) -> str:
+        return f"{self.quantity}_deviation{f'_{self.inside:g}_inside' if self.inside else ''}"
+
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
+        problem, X = setting.problem.problem, solution.reference
+        if self.quantity not in solution.fields:
+            return {}
+        deviation = np.abs(solution.fields[self.quantity] - setting.problem.exact.fields[self.quantity](X, solution.time))
+        if self.inside:
+            body = problem.shape if isinstance(problem.shape, Block) else Block(problem.lower, problem.upper)
+            depth = np.minimum(X - body.lower, np.array(body.upper) - X).min(axis=1)
+            deviation = deviation[:, depth >= self.inside]
+        return {self._metric: float(np.max(deviation, initial=-np.inf)) / self.scale}
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        values = evidence.metrics[self._metric]
+        verdict, reason = judge_largest(values, self.bound, "deviation")
+        if verdict is Verdict.PASS and values.min() < self.low:
+            return Verdict.FAIL, f"least deviation {values.min():.2e}, below {self.low:g}"
+        return verdict, reason

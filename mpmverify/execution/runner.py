@@ -115,6 +115,7 @@ def run(
     UsageError, ResultsError
         On misuse, or when a file of the results folder is damaged or cannot be written.
     """
+    studies = [study.in_tier(plan.tier) for study in studies]
     for study in studies:
         check_storable(study.name, study.criteria())
     plan.results.create()
