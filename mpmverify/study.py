@@ -263,13 +263,13 @@ class Study:
         Raises
         ------
         UsageError
-            If there is no such tier.
+            If there is no such tier, or no series has levels in it.
         """
-        cases = (
-            dataclasses.replace(case, series=tuple(series for series in case.series if series.refinement.tier(tier)))
-            for case in self.cases
-        )
-        return dataclasses.replace(self, cases=tuple(case for case in cases if case.series))
+        chosen = [(case, tuple(series for series in case.series if series.refinement.tier(tier))) for case in self.cases]
+        cases = tuple(dataclasses.replace(case, series=series) for case, series in chosen if series)
+        if not cases:
+            raise UsageError(f"study {self.name!r} has no series in the {tier} tier: run the full tier")
+        return dataclasses.replace(self, cases=cases)
 
     def solvers(self) -> dict[str, Solver]:
         """Return the solvers by name, in the order of declaration."""

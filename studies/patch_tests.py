@@ -1,13 +1,14 @@
 """Patch tests: rigid motions, and constant velocity gradients, in which a scheme has no error or a known one."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 
 from mpmverify.criteria import Order, Reproduced
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
-from mpmverify.exact.patch import CELL, CLEAR, SPEED, flight, parting, rotation, shear, stretch
+from mpmverify.exact.homogeneous import rotation, shear, stretch
+from mpmverify.exact.rigid_motion import CELL, CLEAR, SPEED, flight, parting
 from mpmverify.problem import Discretisation, LinearElastic
 from mpmverify.solution import Solver
 from mpmverify.solvers.mpm import AFLIP, APIC, FLIP, PIC, TPIC, MaterialPoint, Transfer, fmpm, xpic
@@ -20,7 +21,7 @@ from . import variants as v
 COURANT, MODULUS = 0.5, SPEED**2
 TRANSFERS = {1: (FLIP, PIC, APIC, TPIC, AFLIP, xpic(2), fmpm(2)), 2: (FLIP, APIC, fmpm(2)), 3: (FLIP, APIC)}
 """Transfers in the full tier by dimension; all of them treat the axes alike."""
-QUICK = {
+QUICK: Mapping[int, set[tuple[str, str | None]]] = {
     1: {("linear", None), ("quadratic", None), ("cubic", None), ("ugimp", None), ("cpdi", None), ("quadratic", "moment")},
     2: {("linear", None), ("quadratic", "moment")},
     3: {("linear", None)},
@@ -76,9 +77,8 @@ def _variants(transfers: Iterable[Transfer], formulations: Iterable[str] = ("upd
 
 def _is_quick(solver: MaterialPoint, dimension: int) -> bool:
     every_schedule = solver.basis == "linear" and solver.formulation == "updated" and solver.transfer == FLIP
-    some = solver.schedule == "MUSL" and solver.transfer in (
-        (FLIP, APIC, PIC) if solver.formulation == "updated" else (FLIP, APIC)
-    )
+    transfers: tuple[Transfer, ...] = (FLIP, APIC, PIC) if solver.formulation == "updated" else (FLIP, APIC)
+    some = solver.schedule == "MUSL" and solver.transfer in transfers
     return (every_schedule or some) and (solver.basis, solver.transfer.affine) in QUICK[dimension]
 
 
@@ -183,7 +183,8 @@ def _rotation_case(dimension: int) -> Case:
         (MaterialPoint("USL", TPIC, "quadratic"), False),
     ):
         levels = tuple(Discretisation(1 / count, 0.3, 2) for count in cells)
-        criteria = (displacement, *([stress] if solver.transfer.affine else []), v.MOMENTUM, v.MASS)
+        orders = (displacement, stress) if solver.transfer.affine else (displacement,)
+        criteria: tuple[Criterion, ...] = (*orders, v.MOMENTUM, v.MASS)
         series.append(Series(solver, Refinement("nu_C=0.3, 2 ppc", levels, 4 * quick), criteria))
     return Case(f"rotation, {dimension}D", problem, tuple(series), shown="displacement")
 

@@ -7,7 +7,8 @@ from scipy.interpolate import BSpline
 
 from mpmverify import studies
 from mpmverify.errors import UsageError
-from mpmverify.exact.patch import CELL, CLEAR, flight, parting, rotation, shear, stretch
+from mpmverify.exact.homogeneous import rotation, shear, stretch
+from mpmverify.exact.rigid_motion import CELL, CLEAR, flight, parting
 from mpmverify.exact.solution import VerificationProblem
 from mpmverify.problem import Discretisation, LinearElastic, place_particles
 from mpmverify.solvers.mpm import MaterialPoint

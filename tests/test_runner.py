@@ -395,12 +395,24 @@ def test_declarations_that_cannot_be_stored_are_refused():
 
 
 @pytest.mark.parametrize(
-    ("levels", "quick"), [((), 0), ((), 1), ((Discretisation(0.5, 0.5),), 0), ((Discretisation(0.5, 0.5),), 2)]
+    ("levels", "quick"), [((), 0), ((), 1), ((Discretisation(0.5, 0.5),), -1), ((Discretisation(0.5, 0.5),), 2)]
 )
 def test_a_ladder_with_an_impossible_quick_tier_is_refused(levels, quick):
-    """A study without runs would have no verdict that could fail."""
-    with pytest.raises(UsageError, match=r"ladder 'l' has \d levels: let the quick tier run 1 to \d, not"):
+    with pytest.raises(UsageError, match=r"ladder 'l' has \d levels: let the quick tier run 0 to \d, not"):
         Refinement("l", levels, quick)
+
+
+def test_a_tier_has_the_series_that_have_levels_in_it():
+    """A study without runs would have no verdict that could fail."""
+    level = Discretisation(0.5, 0.5)
+    both, late = (Series(Scripted(), Refinement(label, (level,), quick), ()) for label, quick in (("both", 1), ("late", 0)))
+    hill = advection(Gaussian(0.5, 0.1))
+    cases = tuple(Case(name, hill, series, "u") for name, series in (("a", (both, late)), ("b", (late,))))
+    declared = Study("s", "t", "u", cases)
+    assert declared.in_tier("full") == declared
+    assert [(case.name, series.refinement.label) for case, series in declared.in_tier("quick").series()] == [("a", "both")]
+    with pytest.raises(UsageError, match="no series in the quick tier: run the full tier"):
+        Study("s", "t", "u", cases[1:]).in_tier("quick")
 
 
 def test_a_restricted_study_has_the_named_solvers_and_one_courant_number():

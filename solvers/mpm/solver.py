@@ -10,7 +10,6 @@ import numpy as np
 from mpmverify.errors import UsageError
 from mpmverify.problem import (
     REGULAR,
-    Array,
     Discretisation,
     Layout,
     LinearElastic,
@@ -34,7 +33,8 @@ from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSTABLE, Out
 from .order import Strips, strips
 from .reconstruction import cells_of
 from .splines import MovingLeastSquares
-from .state import Grid, Nodes, Particles, Scheme, Series, columns_of, nodal
+from .start import particles_at_start
+from .state import Grid, Nodes, Particles, Scheme, Series, nodal
 from .transfers import FLIP, Transfer
 
 SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
@@ -293,19 +293,5 @@ class MaterialPoint:
         return strips(grid.lower[-1], at.h, at.cells(problem), rows, particles, moving, grid.stride[-1], many)
 
     def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:
-        """Particles in the initial state of the body."""
-        assert isinstance(problem.material, LinearElastic)
-        count, dimension = reference.shape
-        kept = dimension**2 if self.transfer.affine else 0
-        F = np.eye(dimension) + problem.initial_field("displacement_gradient", reference).reshape(-1, dimension, dimension)
         whole = self._basis.kind.domains or LAWS[type(problem.material)] is not LINEAR_ELASTIC
-        deformation = (0.0,) * (dimension**2 if whole else 1)
-        state = np.zeros((count, columns_of((0.0,) * dimension, deformation).affine + kept))
-        numbers = np.arange(count, dtype=np.int64)
-        particles = Particles(numbers, reference, state, numbers.copy(), deformation)
-        particles.position[:] = reference + problem.initial_field("displacement", reference)
-        particles.velocity[:] = problem.initial_field("velocity", reference)
-        particles.F[:] = F.reshape(count, -1) if len(deformation) == dimension**2 else np.linalg.det(F)[:, None]
-        particles.stress[:] = problem.initial_field("stress", reference)
-        particles.mass[:], particles.volume[:] = problem.material.density * volume, volume
-        return particles
+        return particles_at_start(problem, reference, volume, whole, bool(self.transfer.affine))
