@@ -22,6 +22,8 @@ NAMES = (
     "large-deformation",
     "expanding-ring",
     "generalised-vortex",
+    "loads-and-supports",
+    "moving-bodies",
     "mpm-stability",
 )
 BASELINE = Path(__file__).with_name("baseline.json")
