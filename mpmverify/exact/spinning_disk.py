@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mpmverify.errors import UsageError
 from mpmverify.exact.motion import AtStart
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Disk, NeoHookean, Problem, Spatial, Traction
@@ -67,11 +68,18 @@ def spinning_disk(
     outputs : int
         Number of output intervals.
 
+    Raises
+    ------
+    UsageError
+        If the spin is zero, or the angle not positive.
+
     Notes
     -----
     The field has no torque about the origin at any place of the material points, so that the angular momentum of a scheme that
     conserves it is constant to round-off whatever its other errors are.
     """
+    if not spin:
+        raise UsageError("the disk must turn: give a spin that is not zero")
     free = {face: Traction() for face in ("x-", "x+", "y-", "y+")}
     fields = {quantity: Rotation(quantity, spin) for quantity in ("displacement", "velocity", "stress")}
     return VerificationProblem(
@@ -81,7 +89,7 @@ def spinning_disk(
             upper=(0.75, 0.75),
             material=NeoHookean(youngs_modulus, density, poissons_ratio),
             boundary=free,
-            end_time=radians / spin,
+            end_time=radians / abs(spin),
             initial={"velocity": AtStart(fields["velocity"])},
             body_force=Spatial(CentralField(spin)),
             outputs=outputs,

@@ -96,7 +96,7 @@ def two_bodies(
         raise UsageError(f"the two bodies have 2 or 3 dimensions, not {dimension!r}")
     corners = ((1.25, 0.25, 0.5), (1.75, 0.75, 1.0)), ((0.25, 1.25, 0.25), (1.0, 1.75, 0.75))
     bodies = tuple(Block(lower[:dimension], upper[:dimension]) for lower, upper in corners)
-    velocities = (0.9, -0.15, -0.7)[:dimension], (-1.3, 0.1, 0.4)[:dimension]
+    velocities = (0.9, -0.15, -0.7)[:dimension], (-1.3, 0.2, 0.4)[:dimension]
     fields = {
         quantity: TranslationOfBodies(quantity, bodies, velocities) for quantity in ("displacement", "velocity", "stress")
     }
