@@ -44,12 +44,12 @@ def _orders(source: str, stress: tuple[float, float], stress_source: str) -> tup
     return (*second, Order("stress", "L2-max", *stress, stress_source), v.MOMENTUM, v.MASS)
 
 
-FREE = (
+FREE: tuple[Criterion, ...] = (
     *(Exact(quantity, "L2-max", ROUND_OFF, NEWTON_SOURCE) for quantity in ("displacement", "velocity", "stress")),
     *(ExactTotal(stock, NEWTON_SOURCE) for stock in ("momentum", "angular_momentum")),
     v.MASS,
 )
-SPUN = (
+SPUN: tuple[Criterion, ...] = (
     Order("displacement", "L2-max", 1.8, 2.2, v.AFFINE_SOURCE),
     *(Order(quantity, "L2-max", 1.35, 2.15, SURFACE_SOURCE) for quantity in ("velocity", "stress")),
     Balance("angular_momentum", "", ANGULAR_SOURCE),

@@ -68,7 +68,7 @@ def clamped_shear(
     density: float = 4.0,
     poissons_ratio: float = 0.3,
     periods: float = 0.1,
-    outputs: int = 16,
+    outputs: int = 8,
 ) -> VerificationProblem:
     """Neo-Hookean layer, clamped on the two faces across x and joined along the other axes, that swings along its faces.
 

@@ -52,7 +52,7 @@ class DriftingWaves:
 
     def wave(self, X: Array) -> Array:
         """Return A_i sin(2 pi X_j) (1, P, dim) [m]."""
-        return self.amplitudes * np.sin(2 * np.pi * X @ self.following.T)[None]
+        return np.asarray(self.amplitudes) * np.sin(2 * np.pi * X @ self.following.T)[None]
 
     def displacement(self, X: Array, t: Array) -> Array:
         return np.asarray(self.drift) * t[:, None, None] + (1 - np.cos(self.phase(t))) * self.wave(X)

@@ -60,8 +60,8 @@ class MomentumOfBodies:
         if not self.angular:
             return np.tile(momentum.sum(axis=0), (len(t), 1))
         centre = np.array([np.add(body.lower, body.upper) / 2 for body in self.bodies])
-        flat = [(0, 3 - centre.shape[1])]
-        turning = np.cross(*(np.pad(vectors, [(0, 0), *flat]) for vectors in (centre, momentum))).sum(axis=0)
+        X, p = (np.pad(vectors, [(0, 0), (0, 3 - centre.shape[1])]) for vectors in (centre, momentum))
+        turning = np.cross(X, p).sum(axis=0)
         return np.tile(turning if centre.shape[1] == 3 else turning[2:], (len(t), 1))
 
 
