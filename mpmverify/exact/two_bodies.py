@@ -87,10 +87,6 @@ def two_bodies(
     ------
     UsageError
         If the dimension is not 2 or 3.
-
-    Notes
-    -----
-    Velocities have no power of two as a factor, so that particles lie on cell edges at no step but the first.
     """
     if dimension not in (2, 3):
         raise UsageError(f"the two bodies have 2 or 3 dimensions, not {dimension!r}")
