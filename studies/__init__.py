@@ -24,6 +24,8 @@ NAMES = (
     "expanding-ring",
     "generalised-vortex",
     "plane-waves",
+    "loads-and-supports",
+    "moving-bodies",
     "mpm-stability",
 )
 BASELINE = Path(__file__).with_name("baseline.json")

@@ -77,6 +77,11 @@ AFFINE_SOURCE = (
     "second order in space and, where dt follows h, a damping of second order: the affine velocity keeps what PIC smooths at first "
     "order; Jiang, Schroeder and Teran (2017), doi:10.1016/j.jcp.2017.02.050"
 )
+START_SOURCE = (
+    "between 3/2 and 2, own derivation: second order inside, but particles start without an affine velocity, which changes the nodal "
+    "velocity by O(h) over a length of O(h) at a surface or a held end, and hence velocity and stress by O(h^(3/2)) in L2; "
+    f"{AFFINE_SOURCE}"
+)
 STRESS_SOURCE = "first order of the gradient of a linear basis away from the middle of a cell; " + MPM_SOURCE
 SPLINE_SOURCE = (
     "between 3/2 and 2, own derivation: second order inside, but the lumped mass of the clamped quadratic spline is off its node by "

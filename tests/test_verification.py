@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mpmverify import studies
 from mpmverify.convergence.verdict import Verdict
-from mpmverify.criteria import Balance, EnergyConserved, EnergyDrift, Exact, Order
+from mpmverify.criteria import Balance, EnergyConserved, EnergyDrift, Exact, ExactTotal, Order
 from mpmverify.criteria.evidence import evidence_of
 from mpmverify.criteria.expectations import MARGIN, expectations, order_band
 from mpmverify.errors import UsageError
@@ -199,10 +199,22 @@ def test_a_missing_quantity_or_history_is_an_error():
     assert verdicts(Forgetful())["mass conserved"] is Verdict.ERROR
 
 
-@pytest.mark.parametrize("criterion", [Balance("momentum", "impulse", "s"), EnergyDrift(1.8, "s"), EnergyConserved("s")])
+ENERGIES = {"kinetic_energy", "strain_energy", "external_work"}
+
+
+@pytest.mark.parametrize(
+    ("criterion", "needed"),
+    [
+        (Balance("momentum", "impulse", "s"), {"momentum", "impulse"}),
+        (Balance("angular_momentum", "", "s"), {"angular_momentum"}),
+        (ExactTotal("momentum", "s"), {"momentum"}),
+        (ExactTotal("angular_momentum", "s"), {"angular_momentum"}),
+        (EnergyDrift(1.8, "s"), ENERGIES),
+        (EnergyConserved("s"), ENERGIES),
+    ],
+)
 @pytest.mark.parametrize("stored", [False, True])
-def test_the_reason_names_the_history_that_the_solver_does_not_return(criterion, stored, tmp_path):
-    needed = {"momentum", "impulse"} if isinstance(criterion, Balance) else {"kinetic_energy", "strain_energy", "external_work"}
+def test_the_reason_names_the_history_that_the_solver_does_not_return(criterion, needed, stored, tmp_path):
     if stored:
         (judged,) = run([study(criteria=(criterion,))], plan(tmp_path))
         finding = judged.findings[0]

@@ -12,7 +12,7 @@ from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.errors import Exact, Order, Published, Reproduced, Stall
 from mpmverify.criteria.evidence import SeriesId
 from mpmverify.criteria.field_sums import FieldSums
-from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift
+from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift, ExactTotal
 from mpmverify.criteria.modes import Amplification
 from mpmverify.criteria.outcomes import Unstable
 from mpmverify.criteria.sources import Separated
@@ -30,6 +30,7 @@ __all__ = [
     "EnergyDecays",
     "EnergyDrift",
     "Exact",
+    "ExactTotal",
     "FieldSums",
     "FrontPosition",
     "Order",
@@ -53,6 +54,7 @@ CRITERIA: Mapping[str, type[Any]] = {
         Reproduced,
         Separated,
         Balance,
+        ExactTotal,
         FieldSums,
         EnergyDrift,
         EnergyConserved,

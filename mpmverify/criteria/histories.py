@@ -1,4 +1,4 @@
-"""Criteria on histories: conservation of mass, momentum and energy, and the order of the energy drift."""
+"""Criteria on histories: conservation of mass, momentum and energy, closed forms of them, and the order of the energy drift."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.criteria.bounds import finite_and_non_negative, judge_largest, relative_defect
 from mpmverify.criteria.criterion import Setting
 from mpmverify.criteria.evidence import Evidence
+from mpmverify.errors import UsageError
 from mpmverify.problem import Array, LinearElastic, components
 from mpmverify.problem.material import KelvinVoigt, Maxwell
 from mpmverify.solution import Solution
@@ -71,6 +72,55 @@ class Balance:
 
     def judge(self, evidence: Evidence) -> Judgement:
         return judge_largest(evidence.metrics[self._metric], self.bound, "relative defect")
+
+
+@dataclass(frozen=True)
+class ExactTotal:
+    """A history agrees with its closed form after every step, to round-off: the momentum of a loaded body, for example.
+
+    `Balance` compares a momentum with the impulse of the same solver, which a load of the wrong size or direction changes alike.
+
+    Parameters
+    ----------
+    stock : str
+        History, such as "momentum", without a component suffix; a vector must agree in every component.
+    source : str
+    bound : float
+        Largest deviation relative to the largest magnitude of a component of the closed form.
+    """
+
+    stock: str
+    source: str
+    bound: float = 1e-12
+
+    @property
+    def title(self) -> str:
+        return f"{self.stock} exact to {self.bound:g}"
+
+    @property
+    def _metric(self) -> str:
+        return f"{self.stock}_error"
+
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
+        """Return the largest relative deviation.
+
+        Raises
+        ------
+        UsageError
+            If the exact solution has no such total, or it is zero throughout.
+        """
+        problem, names = setting.problem.problem, components(self.stock, setting.problem.problem.dimension)
+        if not set(names) <= solution.histories.keys():
+            return {}
+        known = setting.problem.exact.totals.get(self.stock)
+        exact = np.zeros(0) if known is None else known(solution.histories["time"])
+        if not np.any(exact):
+            raise UsageError(f"the exact {self.stock} of {problem.name!r} is unknown or zero throughout: judge it by Balance")
+        defect = np.array([solution.histories[name] for name in names]).T - exact
+        return relative_defect(self._metric, defect, float(np.max(np.abs(exact))))
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        return judge_largest(evidence.metrics[self._metric], self.bound, f"relative error of the {self.stock}")
 
 
 DRIFT_ROUND_OFF = 1e-11

@@ -7,6 +7,9 @@ from mpmverify.problem import Array
 HISTORIES: Mapping[str, str] = {
     "mass_defect": "the history 'mass', with 'inflow' where a scalar has open ends",
     "momentum_defect": "the histories 'momentum' and 'impulse'",
+    "momentum_error": "the history 'momentum'",
+    "angular_momentum_error": "the history 'angular_momentum'",
+    "angular_momentum_defect": "the history 'angular_momentum'",
     "energy_drift": "the histories 'kinetic_energy', 'strain_energy' and 'external_work'",
     "energy_rise": "the histories 'kinetic_energy', 'strain_energy' and 'external_work'",
 }

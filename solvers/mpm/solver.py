@@ -10,6 +10,7 @@ import numpy as np
 from mpmverify.errors import UsageError
 from mpmverify.problem import (
     REGULAR,
+    Array,
     Discretisation,
     Layout,
     LinearElastic,
