@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
+from mpmverify.exact.finite_strain import cauchy_stress
 from mpmverify.exact.motion import fields_of, initial_velocity
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Fixed, NeoHookean, Periodic, Problem
@@ -54,6 +55,9 @@ class ShearOfLayer:
         H = np.zeros((len(t), len(X), X.shape[1], X.shape[1]))
         H[..., 0] = np.pi * np.sin(self.frequency * t)[:, None, None] * np.cos(np.pi * X[None, :, :1]) * self.direction
         return H
+
+    def stress(self, X: Array, t: Array) -> Array:
+        return cauchy_stress(self.material, self.gradient(X, t))
 
     def force(self, X: Array, t: Array) -> Array:
         """Return the body force, which is zero: Div P = mu u_XX = rho u_tt (T, P, dim) [m/s^2]."""

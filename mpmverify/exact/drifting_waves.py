@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
+from mpmverify.exact.finite_strain import cauchy_stress
 from mpmverify.exact.motion import FieldOf, fields_of, initial_velocity
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, NeoHookean, Periodic, Problem
@@ -68,6 +69,9 @@ class DriftingWaves:
 
     def gradient(self, X: Array, t: Array) -> Array:
         return self.slopes(X, t)[..., None] * self.following
+
+    def stress(self, X: Array, t: Array) -> Array:
+        return cauchy_stress(self.material, self.gradient(X, t))
 
     def cofactors(self, slopes: Array) -> list[list[Array]]:
         """Return the cofactors C = J F^-T [1] of F = I + H, of the slopes by row (dim, T, P)."""
