@@ -8,7 +8,7 @@ from mpmverify.criteria.criterion import Criterion
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.exact.homogeneous import rotation, shear, stretch
-from mpmverify.exact.rigid_motion import CELL, CLEAR, SPEED, flight, parting
+from mpmverify.exact.rigid_motion import CELL, CLEAR, ON_EDGES, SPEED, flight, parting
 from mpmverify.problem import Discretisation, LinearElastic
 from mpmverify.solution import Solver
 from mpmverify.solvers.mpm import AFLIP, APIC, FLIP, PIC, TPIC, MaterialPoint, Transfer, fmpm, xpic
@@ -120,6 +120,8 @@ def _rigid_cases(dimension: int) -> Iterator[Case]:
     clear = [solver for solver in updated if _near_edges_is_ill_conditioned(solver)]
     yield _rigid_case("free fall", dimension, flight(dimension, gravity=8.0), falling + total, (Textbook("USF"),))
     yield _rigid_case("free fall, clear of edges", dimension, flight(dimension, gravity=8.0, beside=CLEAR), clear)
+    at_edges = flight(dimension, moving=False, gravity=8.0, beside=ON_EDGES, steps=2)
+    yield _rigid_case("free fall from edges", dimension, at_edges, clear, quick=dimension == 1)
     yield _rigid_case("parting from faces", dimension, parting(dimension), updated)
 
 

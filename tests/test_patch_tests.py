@@ -8,7 +8,7 @@ from scipy.interpolate import BSpline
 from mpmverify import studies
 from mpmverify.errors import UsageError
 from mpmverify.exact.homogeneous import rotation, shear, stretch
-from mpmverify.exact.rigid_motion import CELL, CLEAR, flight, parting
+from mpmverify.exact.rigid_motion import CELL, CLEAR, ON_EDGES, flight, parting
 from mpmverify.exact.solution import VerificationProblem
 from mpmverify.problem import Discretisation, LinearElastic, place_particles
 from mpmverify.solvers.mpm import MaterialPoint
@@ -18,6 +18,7 @@ STUDY = studies.get("patch-tests")
 PROBLEMS = [
     *(flight(d, gravity=g, joined=joined) for d in (1, 2, 3) for g in (0.0, 8.0) for joined in (False, True)),
     *(flight(2, LinearElastic, moving=False, gravity=8.0, beside=CLEAR), flight(1, moving=False)),
+    flight(3, moving=False, gravity=8.0, beside=ON_EDGES, steps=2),
     *(make(d) for d in (1, 2, 3) for make in (parting, shear, stretch)),
     *(rotation(d) for d in (2, 3)),
 ]
