@@ -7,7 +7,8 @@ to the series of that solver and judged with its own criteria.
 import dataclasses
 import importlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -301,11 +302,13 @@ FAULTS = (
 TRIALS = tuple(dict.fromkeys(kill.trial for fault in FAULTS for kill in fault.kills))
 
 
-@pytest.fixture(autouse=True)
-def _little_optimisation(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Most of the time compiles what runs for a moment. The unmodified copies pass as they are compiled here, too."""
-    level: Any = numba.config.OPT
-    monkeypatch.setattr(numba.config, "OPT", type(level)(1))
+@contextmanager
+def little_optimisation() -> Iterator[None]:
+    """Compile for a moment's run, planted copies only: the shipped solvers go to the disk cache of whoever runs the tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        level: Any = numba.config.OPT
+        patch.setattr(numba.config, "OPT", type(level)(1))
+        yield
 
 
 def verification(study: Study, folder: Path) -> list[Finding]:
@@ -325,7 +328,7 @@ def assert_killed(findings: list[Finding], verdict: Verdict, criterion: str) -> 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.id)
 def test_a_wrong_solver_fails(fault: Fault, tmp_path: Path) -> None:
     family = fault.kills[0].trial.family
-    with planted(selftest.Fault(family, "named", fault.name, fault.edits), SOURCES, tmp_path) as package:
+    with little_optimisation(), planted(selftest.Fault(family, "named", fault.name, fault.edits), SOURCES, tmp_path) as package:
         for k, kill in enumerate(fault.kills):
             findings = verification(kill.trial.with_solver(copied(package, kill.trial.solver)), tmp_path / str(k))
             assert_killed(findings, kill.verdict, kill.criterion)
@@ -336,7 +339,7 @@ def test_a_wrong_solver_fails(fault: Fault, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("family", LOOPS)
 def test_an_unmodified_copy_passes_and_is_compiled_from_its_own_files(family: str, tmp_path: Path) -> None:
-    with planted(selftest.Fault(family, "named", "none", ()), SOURCES, tmp_path) as package:
+    with little_optimisation(), planted(selftest.Fault(family, "named", "none", ()), SOURCES, tmp_path) as package:
         for k, trial in enumerate(trial for trial in TRIALS if trial.family == family):
             copy = copied(package, trial.solver)
             assert type(copy) is not type(trial.solver)

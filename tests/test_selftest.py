@@ -4,18 +4,17 @@ import ast
 import dataclasses
 import math
 import multiprocessing.util
-import os
 import subprocess
 import sys
 import tempfile
-import time
 from collections import Counter
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from faulty_solvers import transported
-from test_planted_faults import SOURCES
+from lone_tasks import double, why
+from test_planted_faults import SOURCES, little_optimisation
 
 from mpmverify import studies
 from mpmverify.cli import cli
@@ -24,7 +23,7 @@ from mpmverify.dataset.selftest import read_selftest, write_selftest
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
 from mpmverify.execution.runner import Plan, run
-from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.baseline import Baseline, read_baseline
 from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
 from mpmverify.problem import Discretisation
 from mpmverify.selftest import processes, session
@@ -269,13 +268,15 @@ def test_deviation_scales_cancelling_momenta_by_energy_and_is_infinite_for_diffe
 
 
 @pytest.fixture(scope="module")
-def judge(tmp_path_factory):
-    """A fault judge with the cheapest trial, and the results of the unmodified solver."""
+def judged(tmp_path_factory):
+    """Results of the faults of `FATES` in the cheapest trial, by name."""
     folder = tmp_path_factory.mktemp("judge")
     trial = Trial("gehojerez-deck", "deck", "tg-lumped").of(studies.get)
     none = Baseline(folder / "none.json")
     assert list(run([trial], Plan(Results(folder), none, jobs=0)))
-    return FaultJudge(SOURCES, (trial,), none, folder, folder)
+    judge = FaultJudge(SOURCES, (trial,), none, folder, folder)
+    with little_optimisation():
+        return {name: judge.judge(Fault("taylor_galerkin", "named", "a fault", (edit,))) for name, (edit, _) in FATES.items()}
 
 
 TG, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"
@@ -295,47 +296,38 @@ FATES = {
 }
 
 
-@pytest.mark.parametrize(("edit", "fate"), FATES.values(), ids=FATES)
-def test_the_fate_of_a_fault(edit, fate, judge):
-    result = judge.judge(Fault("taylor_galerkin", "named", "a fault", (edit,)))
+@pytest.mark.xdist_group("fates")
+@pytest.mark.parametrize("name", FATES)
+def test_the_fate_of_a_fault(name, judged):
+    result, fate = judged[name], FATES[name][1]
     assert result.fate is fate, result
     assert (result.finding is not None) == (fate in (Fate.KILLED, Fate.BROKEN))
     assert (result.deviation > 1e-11) == (fate is Fate.SURVIVED)
 
 
-def test_an_invalid_solution_is_killed_by_the_contract_and_a_solver_that_raises_does_not_run(judge):
-    invalid, broken = (
-        judge.judge(Fault("taylor_galerkin", "named", "a fault", (FATES[name][0],))) for name in ("invalid-solution", "broken")
-    )
+@pytest.mark.xdist_group("fates")
+def test_an_invalid_solution_is_killed_by_the_contract_and_a_solver_that_raises_does_not_run(judged):
+    invalid, broken = judged["invalid-solution"], judged["broken"]
     assert (invalid.fate, invalid.finding.criterion) == (Fate.KILLED, CONTRACT)
     assert "weights sum to" in invalid.finding.reason
     assert broken.fate is Fate.BROKEN
     assert broken.finding.criterion != CONTRACT
 
 
-def _double(number: int) -> int:
-    if number == 3:
-        os._exit(7)
-    while number == 4:
-        pass
-    if number == 5:
-        time.sleep(600)
-    return 2 * number
+alone = pytest.mark.xdist_group("each alone")  # one worker starts one server of processes
 
 
-def _why(reason: str, *, undecided: bool) -> tuple[str, bool]:
-    return reason, undecided
-
-
+@alone
 def test_a_process_that_dies_or_hangs_takes_no_other_task_with_it():
-    done = dict(each_alone(_double, (1, 2, 3, 4, 6), 2, 2.0, _why, ["mpmverify.errors"]))
+    done = dict(each_alone(double, (1, 2, 3, 4, 6), 2, 2.0, why, ["mpmverify.errors"]))
     died, hung = "the process died with exit status 7", "no result within 2 s of processor time"
     assert done == {1: 2, 2: 4, 3: (died, False), 4: (hung, False), 6: 12}
 
 
+@alone
 def test_a_process_that_is_not_let_run_is_undecided(monkeypatch):
     monkeypatch.setattr(processes, "PATIENCE", 2)
-    assert dict(each_alone(_double, (5,), 1, 1.0, _why, ["mpmverify.errors"])) == {5: ("no result within 2 s", True)}
+    assert dict(each_alone(double, (5,), 1, 1.0, why, ["mpmverify.errors"])) == {5: ("no result within 2 s", True)}
 
 
 ALONE = """
@@ -407,15 +399,16 @@ def test_the_kill_table_counts_every_fault_once():
 # The session and the command.
 
 
-@pytest.fixture
-def small(monkeypatch):
+@pytest.fixture(scope="module")
+def small():
     """A self-test of one cheap family, two faults and one unmodified run."""
-    right, wrong = (fault for name, (edit, _) in FATES.items() if name in ("killed", "equivalent")
-                    for fault in [Fault("taylor_galerkin", "named", name, (edit,))])  # fmt: skip
-    monkeypatch.setattr(session, "TRIALS", {"taylor_galerkin": (Trial("gehojerez-deck", "deck", "tg-lumped"),)})
-    monkeypatch.setattr(session, "NAMED", (right, wrong))
-    monkeypatch.setattr(session, "UNMODIFIED_RUNS", {"quick": 1, "full": 1})
-    monkeypatch.setattr(session, "RANDOM_SERIES", {"quick": 270, "full": 270})
+    named = tuple(Fault("taylor_galerkin", "named", name, (FATES[name][0],)) for name in ("killed", "equivalent"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(session, "TRIALS", {"taylor_galerkin": (Trial("gehojerez-deck", "deck", "tg-lumped"),)})
+        patch.setattr(session, "NAMED", named)
+        patch.setattr(session, "UNMODIFIED_RUNS", {"quick": 1, "full": 1})
+        patch.setattr(session, "RANDOM_SERIES", {"quick": 270, "full": 270})
+        yield
 
 
 def invoke(*arguments: str, status: int) -> str:
@@ -424,43 +417,48 @@ def invoke(*arguments: str, status: int) -> str:
     return result.output
 
 
-@pytest.mark.usefixtures("small")
-def test_the_command_prints_the_kill_table_and_reuses_stored_results(tmp_path, monkeypatch):
-    output = invoke("--out", str(tmp_path), "--jobs", "2", "--explain", status=0)
+@pytest.fixture(scope="module")
+def tested(small, tmp_path_factory):
+    """Folder of the small self-test, and what the command printed."""
+    folder = tmp_path_factory.mktemp("self-test")
+    return folder, invoke("--out", str(folder), "--jobs", "2", "--explain", status=0)
+
+
+@alone
+def test_the_command_prints_the_kill_table_and_reuses_stored_results(tested, monkeypatch):
+    folder, output = tested
     assert "0 unexplained survivors" in output
     assert "0 false alarms" in output
     assert "270 random series of known truth: 0.00% passed wrongly" in output
     assert "equivalent" in output
-    page = (tmp_path / "report" / "trust.html").read_text(encoding="utf-8")
+    page = (folder / "report" / "trust.html").read_text(encoding="utf-8")
     assert "1 of 1 planted faults that change results were caught" in " ".join(page.split()).replace('<span class="of">', "")
-    assert 'href="trust.html"' in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+    assert 'href="trust.html"' in (folder / "report" / "index.html").read_text(encoding="utf-8")
     monkeypatch.setattr(session, "each_alone", lambda work, tasks, *_: iter(()) if not tasks else pytest.fail("judged again"))
     monkeypatch.setattr(session, "unmodified", lambda *_: pytest.fail("run again"))
-    invoke("--out", str(tmp_path), status=0)
+    invoke("--out", str(folder), status=0)
 
 
-@pytest.mark.usefixtures("small")
-def test_the_command_fails_on_a_survivor_and_on_a_false_alarm(tmp_path, monkeypatch):
+@alone
+def test_the_command_fails_on_a_survivor_and_on_a_false_alarm(tested, tmp_path, monkeypatch):
     survivor = Fault("taylor_galerkin", "named", "survivor", (FATES["survived"][0],))
     monkeypatch.setattr(session, "NAMED", (survivor,))
-    assert "survivor" in invoke("--out", str(tmp_path / "one"), status=1)
+    assert "survivor" in invoke("--out", str(tested[0]), status=1)
     monkeypatch.setattr(session, "unmodified", lambda *_: dataclasses.replace(RUN, verdict="FAIL", reason="order 1"))
-    output = invoke("--out", str(tmp_path / "two"), status=1)
+    output = invoke("--out", str(tmp_path), status=1)
     assert "false alarm" in output
     assert "order 1" in output
 
 
-@pytest.mark.usefixtures("small")
-def test_a_fault_that_exceeds_its_time_limit_leaves_no_files(tmp_path, monkeypatch):
+@alone
+def test_a_fault_that_exceeds_its_time_limit_leaves_no_files(tested, tmp_path, monkeypatch):
     hung = Edit(TG_SOLVER, "MARGIN = 10.0", "while True:\n    pass\nMARGIN = 10.0")
     monkeypatch.setattr(session, "NAMED", (Fault("taylor_galerkin", "named", "hung", (hung,)),))
-    scratch = tmp_path / "scratch"
-    scratch.mkdir()
     multiprocessing.util.get_temp_dir()  # made once, before the change below: a socket path must be short
-    monkeypatch.setattr(tempfile, "tempdir", str(scratch))
-    test = session.Session(Results(tmp_path), studies.get, SOURCES, Baseline(tmp_path / "none"), timeout=1.0).run()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    test = session.Session(Results(tested[0]), studies.get, SOURCES, read_baseline(studies.BASELINE), timeout=1.0).run()
     assert [(fault.fate, fault.reason) for fault in test.faults] == [(Fate.BROKEN, "no result within 1 s of processor time")]
-    assert not list(scratch.iterdir())
+    assert not list(tmp_path.iterdir())
 
 
 def test_misuse_of_the_command_gives_one_sentence_and_status_2(tmp_path):

@@ -18,7 +18,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from .faults import Fault
-from .syntax import Patch, Source, names
+from .syntax import Patch, Source, declared_in, names
 
 COMPILERS: Mapping[str, tuple[str, ...]] = {"mpm": ("tracing",)}
 """Packages that generate the code of a family: their faults count as faults of the family."""
@@ -136,7 +136,7 @@ def comparison(source: Source, node: ast.AST) -> Iterator[Patch]:
 def arguments(source: Source, node: ast.AST) -> Iterator[Patch]:
     """Swap two adjacent arguments of the same type in a call of a function or record of the family."""
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-        kinds = source.signatures.get(node.func.id, [])
+        kinds = source.declared.signatures.get(node.func.id, [])
         for (one, kind), (two, other) in pairwise(zip(node.args, kinds, strict=False)):
             if kind == other != "":
                 yield source.swapped(one, two)
@@ -231,8 +231,9 @@ def faults(sources: Path, family: str, *, one_dimensional: bool = False) -> list
     """
     found: dict[str, Fault] = {}
     paths = [path for folder in (family, *COMPILERS.get(family, ())) for path in sorted((sources / folder).glob("*.py"))]
+    declared = declared_in(paths)
     for path in paths:
-        source = Source(path, sources, paths, one_dimensional=one_dimensional)
+        source = Source(path, sources, declared, one_dimensional=one_dimensional)
         for node in source.numerical():
             for rule, apply in RULES.items():
                 for patch in apply(source, node):

@@ -32,6 +32,38 @@ def names(node: ast.AST) -> set[str]:
     return found | {entry.attr for entry in ast.walk(node) if isinstance(entry, ast.Attribute)}
 
 
+@dataclass(frozen=True)
+class Declarations:
+    """Types that the functions and records of a family declare.
+
+    Parameters
+    ----------
+    records : mapping of str to mapping
+        Annotation of each field, by the name of the record.
+    signatures : mapping of str to list
+        Annotations of the parameters of each function and record; "" for a parameter without one.
+    """
+
+    records: Mapping[str, Mapping[str, str]]
+    signatures: Mapping[str, list[str]]
+
+
+def declared_in(paths: Iterable[Path]) -> Declarations:
+    """Return what files declare."""
+    nodes = [node for path in paths for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))]
+    records = {  # `_is_field` accepts annotated names only, which the type checker cannot know
+        node.name: {f.target.id: ast.dump(f.annotation) for f in node.body if _is_field(f)}  # type: ignore[attr-defined]
+        for node in nodes
+        if isinstance(node, ast.ClassDef) and "NamedTuple" in {name for base in node.bases for name in names(base)}
+    }
+    signatures = {name: list(fields.values()) for name, fields in records.items()} | {
+        node.name: [ast.dump(entry.annotation) if entry.annotation else "" for entry in node.args.args]
+        for node in nodes
+        if isinstance(node, ast.FunctionDef)
+    }
+    return Declarations(records, signatures)
+
+
 class Source:
     """One file of a solver family.
 
@@ -40,13 +72,13 @@ class Source:
     path : Path
     root : Path
         Folder of the solvers.
-    siblings : iterable of Path
-        Files of the family, read for the types of its functions and records.
+    declared : Declarations
+        By all files of the family.
     one_dimensional : bool
         Whether all problems are one-dimensional; code for other dimensions is then not numerical.
     """
 
-    def __init__(self, path: Path, root: Path, siblings: Iterable[Path], *, one_dimensional: bool) -> None:
+    def __init__(self, path: Path, root: Path, declared: Declarations, *, one_dimensional: bool) -> None:
         self.file = path.relative_to(root).as_posix()
         self.whole = path.read_text(encoding="utf-8")
         self.tree = ast.parse(self.whole)
@@ -54,19 +86,7 @@ class Source:
         self._unreached = set(_branches_of_other_dimensions(self.tree)) if one_dimensional else set()
         self._lines = self.whole.splitlines(keepends=True)
         self._starts = [sum(map(len, self._lines[:k])) for k in range(len(self._lines))]
-        trees = [ast.parse(sibling.read_text(encoding="utf-8")) for sibling in siblings]
-        nodes = [node for tree in trees for node in ast.walk(tree)]
-        self._records = {  # `_is_field` accepts annotated names only, which the type checker cannot know
-            node.name: {f.target.id: ast.dump(f.annotation) for f in node.body if _is_field(f)}  # type: ignore[attr-defined]
-            for node in nodes
-            if isinstance(node, ast.ClassDef) and "NamedTuple" in {name for base in node.bases for name in names(base)}
-        }
-        self.signatures = {name: list(fields.values()) for name, fields in self._records.items()} | {
-            node.name: [ast.dump(entry.annotation) if entry.annotation else "" for entry in node.args.args]
-            for node in nodes
-            if isinstance(node, ast.FunctionDef)
-        }
-        """Annotations of the parameters of the family's functions and records; "" for a parameter without one."""
+        self.declared = declared
 
     # Positions of nodes. Only expressions and statements have one; the type `ast.AST` has none, hence the ignored type errors.
 
@@ -162,7 +182,7 @@ class Source:
 
         The name of the variable, capitalised, gives the record.
         """
-        record = self._records.get(variable.capitalize(), {})
+        record = self.declared.records.get(variable.capitalize(), {})
         alike = [name for name, kind in record.items() if kind == record.get(attribute)]
         return [alike[(alike.index(attribute) + 1) % len(alike)]] if len(alike) > 1 else []
 

@@ -87,7 +87,8 @@ def response(e: float, law: Law) -> tuple[float, float]:
 def internal_force(u: Array, mesh: Mesh, law: Law, stress: Array, force: Array) -> tuple[float, float]:
     """Set P (E, Q) and B^T (w P(1 + B u)) (n,) [Pa]; return the strain energy [J/m^2] and the least F."""
     energy, least = 0.0, math.inf
-    force[:] = 0.0
+    for i in range(len(force)):
+        force[i] = 0.0
     for i in range(mesh.weight.shape[0]):
         for q in range(mesh.weight.shape[1]):
             e = 0.0
@@ -104,7 +105,8 @@ def internal_force(u: Array, mesh: Mesh, law: Law, stress: Array, force: Array) 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
 def multiply(bands: Array, x: Array, y: Array) -> None:
     """Set y = A x for the symmetric A with A[j + d, j] = bands[d, j]."""
-    y[:] = bands[0] * x
+    for j in range(len(x)):
+        y[j] = bands[0, j] * x[j]
     for d in range(1, len(bands)):
         for j in range(len(x) - d):
             y[j + d] += bands[d, j] * x[j]
@@ -149,16 +151,17 @@ def advance(
     and why, or `last` and STABLE.
     """
     u, v, a, force = state
-    inner, product, moved = np.empty_like(u), np.empty_like(u), np.empty_like(u)
+    inner, product = np.empty_like(u), np.empty_like(u)
     stress, reached = np.empty_like(mesh.weight), np.empty_like(u)
     nodes = (0, len(u) - 1)
     for n in range(first, last):
-        moved[:] = dt * v + dt * dt * (0.5 - beta) * a
+        moved = dt * v + dt * dt * (0.5 - beta) * a
         u += moved
         v += dt / 2 * a
         strain, least = internal_force(u, mesh, law, stress, inner)
-        reached[:] = body[(n - first) % len(body)]
-        a[:] = 0.0
+        for i in range(len(u)):
+            reached[i] = body[(n - first) % len(body), i]
+            a[i] = 0.0
         for end, node in enumerate(nodes):
             reached[node] += ends.load[n, end]
             a[node] = ends.acceleration[n, end]
@@ -190,9 +193,16 @@ def advance(
             return n, OVERFLOWED
         if kinetic + strain > limit:
             return n, GREW
-        force[:] = reached
+        for i in range(len(u)):
+            force[i] = reached[i]
         before, histories, row = max(n - 1, 0), record.histories, record.row[n]
-        histories[:, n] = momentum, histories[1, before] + impulse, kinetic, strain, histories[4, before] + work
+        sums = momentum, histories[1, before] + impulse, kinetic, strain, histories[4, before] + work
+        for k, value in enumerate(sums):
+            histories[k, n] = value
         if row >= 0:
-            record.displacement[row], record.velocity[row], record.stress[row] = u, v, stress
+            for i in range(len(u)):
+                record.displacement[row, i], record.velocity[row, i] = u[i], v[i]
+            for i in range(stress.shape[0]):
+                for q in range(stress.shape[1]):
+                    record.stress[row, i, q] = stress[i, q]
     return last, STABLE

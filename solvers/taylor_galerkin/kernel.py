@@ -83,8 +83,12 @@ def march(
     slope, star, trace = np.empty(m), np.empty(m), np.empty(m)
     for n in range(first, first + count):
         b, b_half = source[2 * (n - first)], source[2 * (n - first) + 1]
-        R[:] = 0.0
-        gain[n + 1], work[n + 1] = gain[n], work[n]
+        for i in range(nodes):
+            for k in range(m):
+                R[i, k] = dU[i, k] = MdU[i, k] = 0.0
+        for k in range(m):
+            gain[n + 1, k] = gain[n, k]
+        work[n + 1] = work[n]
         for e in range(elements):
             i, j = e, (e + 1) % nodes
             for k in range(m):
@@ -112,8 +116,6 @@ def march(
                     contour = normal * dot(A[k], trace)
                     R[i, k] -= dt * contour
                     gain[n + 1, k] -= dt * contour
-        dU[:] = 0.0
-        MdU[:] = 0.0
         for sweep in range(passes):
             for i in range(nodes):
                 for k in range(m):
@@ -129,14 +131,19 @@ def march(
                         if sweep == passes - 1:
                             gain[n + 1, k] += mass[i] * correction[face, k] * gap
             if sweep < passes - 1:
-                MdU[:] = 0.0
+                for i in range(nodes):
+                    for k in range(m):
+                        MdU[i, k] = 0.0
                 for e in range(elements):
                     i, j = e, (e + 1) % nodes
                     for k in range(m):
                         MdU[i, k] += h / 6 * (2 * dU[i, k] + dU[j, k])
                         MdU[j, k] += h / 6 * (dU[i, k] + 2 * dU[j, k])
-        U += dU
-        ends[n + 1, 0], ends[n + 1, 1] = U[0], U[-1]
+        for i in range(nodes):
+            for k in range(m):
+                U[i, k] += dU[i, k]
+        for k in range(m):
+            ends[n + 1, 0, k], ends[n + 1, 1, k] = U[0, k], U[nodes - 1, k]
         for i in range(nodes):
             amplitude = 0.0
             for k in range(m):
