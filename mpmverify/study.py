@@ -10,6 +10,7 @@ import numpy as np
 from mpmverify.convergence.axis import Axis, axis
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import SeriesId
+from mpmverify.criteria.norms import NORMS
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.problem import Discretisation
@@ -190,12 +191,30 @@ class Case:
         Series on the problem.
     shown : str
         Quantity that the report plots first.
+    norm : str
+        Norm in which a solver of any origin is judged by the orders that it declares. By default L1 where the exact fields have finitely
+        many derivatives, as in the theory of their orders, and else L2-max, since a field may vanish at the final time.
+    ladder : Refinement, optional
+        Ladder on which such a solver is judged. By default the first ladder in h at one Courant number among the series.
+
+    Raises
+    ------
+    UsageError
+        If the norm is unknown, or another than L1 where that is the default.
     """
 
     name: str
     problem: VerificationProblem
     series: tuple[Series, ...]
     shown: str
+    norm: str = ""
+    ladder: Refinement | None = None
+
+    def __post_init__(self) -> None:
+        possible = NORMS[::-1] if np.isinf(self.problem.exact.derivatives) else ("L1",)
+        object.__setattr__(self, "norm", self.norm or possible[0])
+        if self.norm not in possible:
+            raise UsageError(f"case {self.name!r} cannot be judged in the norm {self.norm!r}: choose {' or '.join(possible)}")
 
 
 @dataclass(frozen=True)
@@ -230,8 +249,7 @@ class Study:
         seen = set()
         named: dict[str, Solver] = {}
         for case, series in self.series():
-            identity = (case.name, series.solver.name, series.refinement.label)
-            if identity in seen:
+            if (identity := (case.name, series.solver.name, series.refinement.label)) in seen:
                 raise UsageError(f"study {self.name!r} declares {' / '.join(identity)} twice: remove one or rename its ladder")
             seen.add(identity)
             if named.setdefault(series.solver.name, series.solver) != series.solver:
@@ -277,7 +295,6 @@ class Study:
             if chosen:
                 cases.append(dataclasses.replace(case, series=tuple(chosen.values())))
         kept = dataclasses.replace(self, cases=tuple(cases))
-        names = kept.solver_names()
-        parts = [", ".join(names)] if len(names) < len(self.solver_names()) else []
+        parts = [", ".join(kept.solver_names())] if len(kept.solver_names()) < len(self.solver_names()) else []
         parts += [] if courant is None else [f"Courant number {courant:g}"]
         return dataclasses.replace(kept, restricted_to="; ".join(parts) or self.restricted_to)

@@ -102,7 +102,11 @@ def test_expected_orders_follow_from_the_smoothness_of_each_quantity(problem, ex
         def orders(self):
             return {"u": 1.0, "velocity": 2.0, "displacement": 2.0}
 
-    found = {c.quantity: (c.norm, c.low, c.high) for c in expectations(Bar(), problem) if isinstance(c, Order)}
+    found = {
+        c.quantity: (c.norm, c.low, c.high)
+        for c in expectations(Bar(), problem, "L1" if np.isfinite(problem.exact.derivatives) else "L2")
+        if isinstance(c, Order)
+    }
     assert found.keys() == expected.keys(), "the problem has no field u, so that its order is not expected"
     for quantity, (norm, *edges) in expected.items():
         assert found[quantity][0] == norm
@@ -112,7 +116,7 @@ def test_expected_orders_follow_from_the_smoothness_of_each_quantity(problem, ex
 def test_the_expected_balances_depend_on_the_problem():
     def balances(problem, kept=("mass", "momentum")):
         solver = Claiming(of="u" if "u" in problem.exact.fields else "velocity", kept=kept)
-        return [(c.stock, c.source_term) for c in expectations(solver, problem) if isinstance(c, Balance)]
+        return [(c.stock, c.source_term) for c in expectations(solver, problem, "L2") if isinstance(c, Balance)]
 
     assert balances(elastic_bar()) == [("mass", ""), ("momentum", "impulse")]
     assert balances(elastic_bar(), ("momentum",)) == [("momentum", "impulse")]
@@ -161,8 +165,8 @@ class Declaring:
 
 
 def test_a_solver_with_correct_declarations_passes():
-    assert verdicts(Scripted()) == {"order of u in L2 in [1.85, 2.15]": Verdict.PASS, "mass conserved": Verdict.PASS}
-    assert verdicts(Plain()) == {"order of u in L2 in [1.85, 2.15]": Verdict.PASS}
+    assert verdicts(Scripted()) == {"order of u in L2-max in [1.85, 2.15]": Verdict.PASS, "mass conserved": Verdict.PASS}
+    assert verdicts(Plain()) == {"order of u in L2-max in [1.85, 2.15]": Verdict.PASS}
 
 
 @pytest.mark.parametrize("claimed", [1.0, 1.7, 2.3, 3.0])
@@ -338,3 +342,26 @@ def test_levels_that_differ_in_the_seed_alone_are_judged_by_what_needs_no_order(
         Plain(), HILL, refinement=Refinement("seeds", levels, 2), criteria=[Balance("mass", "", "conservation form")]
     )
     assert [finding.verdict for finding in found] == [Verdict.PASS]
+
+
+# What a case knows of its problem.
+
+
+def test_a_case_names_the_norm_of_its_fields():
+    (case,) = HILL.cases
+    assert case.norm == "L2-max"
+    assert [f.criterion for f in verify(Plain(), replace(HILL, cases=(replace(case, norm="L2"),)))] == [
+        "order of u in L2 in [1.85, 2.15]"
+    ]
+    step = studies.get("elastic-bar").cases[0]
+    assert step.norm == "L1"
+    for wrong, norm in ((case, "L3"), (step, "L2")):
+        with pytest.raises(UsageError, match=f"cannot be judged in the norm '{norm}': choose "):
+            replace(wrong, norm=norm)
+
+
+def test_a_case_may_name_the_ladder_of_strangers():
+    (case,) = HILL.cases
+    named = replace(HILL, cases=(replace(case, ladder=halving(1.0, 16, quick=4, full=4, courant=0.25)),))
+    assert {(f.refinement, f.verdict) for f in verify(Plain(), named)} == {("nu_C=0.25", Verdict.PASS)}
+    assert {f.refinement for f in verify(Plain(), named, refinement=ladder())} == {ladder().label}

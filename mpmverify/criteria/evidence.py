@@ -53,7 +53,7 @@ class Level:
     outcome : str
         "completed", or how the run failed.
     errors : mapping of str to (Array, Array)
-        Error norms and exact norms (norms,) by quantity, in the order of `norms.NORMS` and the unit of the quantity.
+        Error norms, and sizes of the exact field over the run (norms,), by quantity in the order of `norms.NORMS` and in its unit.
     metrics : mapping of str to float
         Measurements of the criteria on the solution, by name.
     """
@@ -92,7 +92,8 @@ class Evidence:
     outcomes : tuple of str
         "completed", or how the run failed, by level.
     error, reference : mapping of str to Array
-        Norms of the error and of the exact field by quantity, (n, norms) in the order of `norms.NORMS` and the unit of the quantity.
+        Norms of the error, and sizes of the exact field over the run, by quantity: (n, norms) in the order of `norms.NORMS` and the
+        unit of the quantity.
     metrics : mapping of str to Array
         Measurements of the criteria on the solutions, (n,) by name.
     jitter, seed : Array, optional
@@ -157,7 +158,7 @@ class Evidence:
         return axes.sizes(self.h, self.dt, self.ppc)
 
     def relative(self, quantity: str, norm: str) -> Array:
-        """Error relative to the exact norm (n,); absolute where the exact norm is zero, NaN where it is not finite."""
+        """Error relative to the size of the exact field (n,); absolute where that is zero, NaN where it is not finite."""
         k = NORMS.index(norm)
         size = np.where(np.isfinite(self.reference[quantity][:, k]), self.reference[quantity][:, k], np.nan)
         return self.error[quantity][:, k] / np.where(size == 0, 1.0, size)

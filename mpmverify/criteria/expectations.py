@@ -53,7 +53,7 @@ def order_band(order: float, derivatives: float) -> tuple[float, float]:
     return min(order - MARGIN, (derivatives - 0.5) * gain), min(order, derivatives * gain) + MARGIN
 
 
-def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterion, ...]:
+def expectations(solver: Solver, problem: VerificationProblem, norm: str) -> tuple[Criterion, ...]:
     """Criteria that follow from the declared orders and invariants of a solver.
 
     Parameters
@@ -61,6 +61,8 @@ def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterio
     solver : Solver
     problem : VerificationProblem
         Its exact solution determines the smoothness of the fields.
+    norm : str
+        Norm in which the orders are judged, as the `Case` of the problem knows it.
 
     Returns
     -------
@@ -98,7 +100,7 @@ def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterio
             f"{problem.problem.name!r}: declare an order, or give criteria"
         )
     return (
-        *(_order(quantity, order, problem) for quantity, order in declared.items()),
+        *(_order(quantity, order, problem, norm) for quantity, order in declared.items()),
         *(
             Balance(invariant, source, f"declared by {solver.name}")
             for invariant, source in _sources(problem).items()
@@ -107,13 +109,13 @@ def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterio
     )
 
 
-def _order(quantity: str, order: float, problem: VerificationProblem) -> Order:
+def _order(quantity: str, order: float, problem: VerificationProblem, norm: str) -> Order:
     derivatives = _derivatives(quantity, problem)
     low, high = (round(edge, 3) for edge in order_band(order, derivatives))
     declared = f"the solver declares order {order:g} of {quantity} on smooth data"
     if math.isinf(derivatives):
-        return Order(quantity, "L2", low, high, f"{declared}; where it is better than that on this problem, give criteria")
-    return Order(quantity, "L1", low, high, f"{declared}; here s = {derivatives:g}; {THEORY}")
+        return Order(quantity, norm, low, high, f"{declared}; where it is better than that on this problem, give criteria")
+    return Order(quantity, norm, low, high, f"{declared}; here s = {derivatives:g}; {THEORY}")
 
 
 def _derivatives(quantity: str, problem: VerificationProblem) -> float:

@@ -30,8 +30,8 @@ class Balance:
         History that accounts for its change, such as "impulse"; "" if it must stay constant.
     source : str
     bound : float
-        Largest defect relative to the largest magnitude in the two histories. For momentum, sqrt(2 m E_kin) also counts: the scale of
-        the particle momenta, which may cancel in the sum.
+        Largest defect relative to the largest magnitude in the two histories. For momentum, the sum of the magnitudes of the momenta
+        at the sample points also counts: round-off scales with them, even if they cancel.
     """
 
     stock: str
@@ -63,14 +63,24 @@ class Balance:
         start = body.density * problem.measure if isinstance(body, LinearElastic) else stock[0]
         defect = stock - start - (change - change[0])
         scales = [np.max(np.abs(stock)), np.max(np.abs(change))]
-        if self.stock == "momentum" and {"mass", "kinetic_energy"} <= solution.histories.keys():
-            # Round-off scales with the particle momenta, even if these cancel in the sum.
-            mass, kinetic = (np.abs(solution.histories[name]) for name in ("mass", "kinetic_energy"))
-            scales.append(np.sqrt(2 * np.max(mass * kinetic)))
+        if self.stock == "momentum" and isinstance(problem.material, LinearElastic):
+            scales.append(moved_momentum(solution, problem.material.density))
         return relative_defect(self._metric, defect, np.max(scales))
 
     def judge(self, evidence: Evidence) -> Judgement:
         return judge_largest(evidence.metrics[self._metric], self.bound, "relative defect")
+
+
+def moved_momentum(solution: Solution, density: float) -> float:
+    """Largest sum over the sample points of |m_p v_p| at an output time, in the unit of the momentum.
+
+    Every solution has what this needs: m_p is the reference density times the first weight, and v_p the field "velocity" or else the
+    change of the position from one output time to the next.
+    """
+    velocity = solution.fields.get("velocity")
+    if velocity is None:
+        velocity = np.diff(solution.position, axis=0) / np.diff(solution.time)[:, None, None]
+    return float(density * np.max(np.linalg.norm(velocity, axis=2) @ solution.weight[0], initial=0.0))
 
 
 DRIFT_ROUND_OFF = 1e-11
