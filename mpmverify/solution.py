@@ -172,6 +172,9 @@ class Solver(Protocol):
     -----
     A solver that compiles code may have a method `kernel(problem)`. It returns a hashable value that is equal for two problems exactly
     when the compiled code is the same, so that no two worker processes compile the same code at the same time.
+
+    A solver whose error has another order on coarse levels, until the term of the formal order dominates, may have an attribute
+    `coarse_orders`: that order by quantity. What it declares then holds when the measured order lies between the two.
     """
 
     @property

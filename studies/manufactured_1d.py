@@ -1,6 +1,6 @@
 """The manufactured neo-Hookean bar: large deformation with and without cell crossing."""
 
-from mpmverify.criteria import EnergyDrift, Order, Published, Stall
+from mpmverify.criteria import EnergyDrift, Order, Published, Size
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.manufactured import manufactured
 from mpmverify.solution import Solver
@@ -21,6 +21,18 @@ PUBLISHED = Published(
     digits=3,
     source=f"total Lagrangian column of {VAUCORBEIL}",
 )
+STRAIN_SOURCE = (
+    "own estimate: particles that keep their number in a cell while their volumes change leave a relative error of the size of the strain, "
+    "3e-4 here, which does not fall; measured 7e-4 in the velocity at 1/h = 128, and none in the total Lagrangian formulation"
+)
+CROSSING = v.stalls(v.CROSSING_SOURCE, displacement=(0.25, 0.97), velocity=(0.24, 0.95), stress=(0.25, 0.95))
+STRANGERS = halving(1.0, 8, quick=4, full=4, courant=0.2, ppc=2)
+"""Ends at 1/h = 64: beyond, errors of crossing particles are larger than the solution, and without crossing those of the strain show."""
+QUADRATURE_SOURCE = f"own measurement: in these the quadrature of moved particles shows from 1/h = 32 on; {v.SATURATION_SOURCE}"
+SPLINES = (
+    Order("displacement", "L2-max", 1.75, 2.15, v.CROSSING_SOURCE),
+    *(Size(quantity, "L2-max", 0.0025, 0.02, QUADRATURE_SOURCE) for quantity in ("velocity", "stress")),
+)
 NODAL = MaterialPoint("MUSL", formulation="total", body_force_at="nodes")
 
 
@@ -39,7 +51,7 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
     if isinstance(solver, FiniteElement):
         p = solver.degree
         return (
-            Order("displacement", "L2-max", p + 0.85, p + 1.15, v.FEM_SOURCE),
+            *v.orders("L2-max", p + 0.85, p + 1.15, v.FEM_SOURCE, "displacement", "velocity"),
             Order("stress", "L2-max", p - 0.1, p + 0.15, v.FEM_SOURCE),
             EnergyDrift(
                 1.8, "central differences keep the energy less the work of the loads up to O(dt^2): Hughes (1987), chapter 9"
@@ -47,14 +59,18 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
         )
     assert isinstance(solver, MaterialPoint)
     if solver.transfer.flip == 0:
-        return (Order("displacement", "L2-max", 0.7, 1.1, v.PIC_SOURCE),)
+        return v.orders("L2-max", 0.7, 1.1, v.PIC_SOURCE, "displacement", "velocity", "stress")
     if solver.transfer.flip < 1:
-        return (Order("displacement", "L2-max", 0.9, 2.1, v.BLEND_SOURCE),)
+        fields = v.orders("L2-max", 0.9, 2.1, v.BLEND_SOURCE, "displacement", "velocity")
+        return (*fields, Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE))
     displacement = Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE)
     energy = EnergyDrift(1.8, v.ENERGY_SOURCE)
     if solver.basis == "linear":
-        return (displacement, Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE), energy)
-    return (displacement, Order("stress", "L2-max", 1.5, 2.15, v.SPLINE_SOURCE), energy)
+        velocity: Criterion = Order("velocity", "L2-max", 1.85, 2.15, v.MPM_SOURCE)
+        if solver.formulation == "updated":
+            velocity = Size("velocity", "L2-max", 2e-4, 2e-3, STRAIN_SOURCE)
+        return (displacement, velocity, Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE), energy)
+    return (displacement, *v.orders("L2-max", 1.4, 2.15, v.SPLINE_SOURCE, "velocity", "stress"), energy)
 
 
 TOTAL: tuple[Solver, ...] = tuple(solver for solver in v.MPM if solver.formulation == "total")
@@ -80,6 +96,7 @@ STUDY = Study(
             manufactured(1e-4, outputs=64),
             tuple(Series(s, _ladder(s), (*_converges(s), v.MOMENTUM, v.MASS)) for s in ALL),
             shown="displacement",
+            ladder=STRANGERS,
         ),
         Case(
             "published",
@@ -93,15 +110,12 @@ STUDY = Study(
             manufactured(0.05, outputs=64),
             (
                 *(Series(s, _ladder(s), (*_converges(s), v.MOMENTUM, v.MASS)) for s in (*TOTAL, *EXPLICIT)),
-                *(
-                    Series(s, _ladder(s), (Stall("displacement", "L2-max", 0.5, v.CROSSING_SOURCE), v.MOMENTUM, v.MASS))
-                    for s in UPDATED_LINEAR
-                ),
+                *(Series(s, STRANGERS, (*CROSSING, v.MOMENTUM, v.MASS)) for s in UPDATED_LINEAR),
                 *(
                     Series(
                         s,
                         CROSSING_QUADRATIC,
-                        (Order("displacement", "L2-max", 1.75, 2.15, v.CROSSING_SOURCE), v.MOMENTUM, v.MASS),
+                        (*SPLINES, v.MOMENTUM, v.MASS),
                     )
                     for s in UPDATED_QUADRATIC
                 ),

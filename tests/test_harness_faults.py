@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import mpmverify
+from mpmverify.criteria import StabilityLimit, Stall, Unstable
 from mpmverify.criteria import evidence as stored
 from mpmverify.criteria.criterion import Setting
 from mpmverify.exact import ExactSolution, VerificationProblem
@@ -228,10 +229,35 @@ def judging_compares_with_the_accepted_errors(b: ModuleType) -> None:
     assert baseline.judge(*where, evidence(stored, H))[0] == "PASS"
     assert baseline.judge(*where, evidence(stored, 1.02 * H))[0] == "FAIL"
     assert baseline.judge(*where, evidence(stored, 1.02 * H))[0] == "FAIL", "judging accepts nothing"
-    assert baseline.judge(*where, evidence(stored, 0.9 * H))[0] == "INCONCLUSIVE"
+    assert baseline.judge(*where, evidence(stored, 0.9 * H))[0] == "FAIL", "a change for the better is accepted first"
     assert baseline.judge(*where, evidence(stored, np.where(H == 0.1, np.nan, H)))[0] == "ERROR"
     assert baseline.judge(*where[:3], "another", evidence(stored, H))[0] == "INCONCLUSIVE"
     assert baseline.judge(*where, evidence(stored, H, h=H * 0.9))[0] == "INCONCLUSIVE"
+
+
+def limits_say_what_is_compared_with_the_baseline(b: ModuleType) -> None:
+    """A stall its errors, by the change that it states; an unstable run its number of steps; a stability limit itself."""
+    where = ("study", "solver", "case", "ladder")
+    stall = Stall("u", "L2", 0.5, 0.0, 9.0, "", change=0.2)
+    unstable, limit = Unstable(1.0, ""), StabilityLimit("mpm-tl-linear-usl-flip", 0.01, "")
+    for criterion, seen, same_still, changed in (
+        (stall, evidence(stored, H), evidence(stored, 1.1 * H), evidence(stored, 0.7 * H)),
+        (
+            unstable,
+            *(replace(evidence(stored, H), outcomes=("unstable",) * 5, error={}, steps=np.full(5, n)) for n in (100, 103, 110)),
+        ),
+        (limit, *(replace(evidence(stored, H * n), metrics={"stability_limit": np.full(5, n)}) for n in (0.7, 0.702, 0.71))),
+    ):
+        baseline = b.Baseline(Path("unused"))
+        baseline.accept_study(
+            "study",
+            {stored.SeriesId("case", "solver", "ladder"): (criterion,)},
+            {stored.SeriesId("case", "solver", "ladder"): seen},
+        )
+        assert baseline.judge(*where, seen, (criterion,))[0] == "PASS"
+        assert baseline.judge(*where, same_still, (criterion,))[0] == "PASS"
+        assert baseline.judge(*where, changed, (criterion,))[0] == "FAIL"
+    assert baseline.judge(*where, replace(evidence(stored, H), outcomes=("crashed",) * 5), (stall,))[0] == "ERROR"
 
 
 # Properties of the criteria on histories and outcomes.
@@ -384,7 +410,7 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         unstable_runs_must_be_reported_as_unstable,
     ),
     "judgement/findings": (incomplete_runs_are_judged_by_their_outcome_alone,),
-    "judgement/baseline": (judging_compares_with_the_accepted_errors,),
+    "judgement/baseline": (judging_compares_with_the_accepted_errors, limits_say_what_is_compared_with_the_baseline),
 }
 
 
@@ -505,7 +531,7 @@ FAULTS = {
     "completion above the limit is an error": Fault(OUTCOMES, "Verdict.FAIL if", "Verdict.ERROR if"),
     "incomplete runs are judged": Fault(FINDINGS, "if evidence.incomplete and not isinstance(criterion, OnOutcomes):", "if False:"),
     "errors compared with themselves": Fault(BASELINE, "then = known.get(name, 0.0)", "then = now"),
-    "judged errors used as baseline": Fault(BASELINE, "known = accepted.get(level, {})", "known = accepted.get(level, values)"),
+    "judged errors used as baseline": Fault(BASELINE, "known = accepted.get(level, {})", "known = accepted.get(level, {n: v[0] for n, v in values.items()})"),
     "judging accepts": Fault(BASELINE, "                compared += 1\n", "                compared += 1\n                known[name] = now\n"),
     "series mixed up": Fault(
         BASELINE,
@@ -513,8 +539,10 @@ FAULTS = {
         "next(iter(self.entries.get(study, {}).get(solver, {}).values()), {})",
     ),
     "levels mixed up": Fault(BASELINE, 'yield f"h={h:.9g} nu_C', 'yield f"{k} nu_C'),
-    "smaller errors pass": Fault(BASELINE, "elif rose(now, then, size):", "elif False:"),
+    "smaller errors pass": Fault(BASELINE, "elif rose(now, then, size, change):", "elif False:"),
     "errors larger by half pass": Fault(BASELINE, "RELATIVE = 0.01", "RELATIVE = 0.5"),
+    "any change of a limit passes": Fault(BASELINE, "change = _change(criteria)", "change = 9.0"),
+    "limits ignored": Fault(BASELINE, "if isinstance(criterion, OnLimits)), errors_of_level)", "if False), errors_of_level)"),
     "NaN not detected": Fault(BASELINE, "if not np.all(np.isfinite([now, then, size])):", "if False:"),
 }  # fmt: skip
 

@@ -412,9 +412,9 @@ def test_a_restricted_study_has_the_named_solvers_and_one_courant_number():
         ),
     )  # fmt: skip
     assert declared.restricted() == declared
-    assert declared.restricted(declared.solver_names()) == declared, "a restriction to all solvers is none"
+    assert declared.restricted(tuple(declared.solvers())) == declared, "a restriction to all solvers is none"
     alone = declared.restricted(("scripted-nan",))
-    assert alone.solver_names() == ("scripted-nan",)
+    assert tuple(alone.solvers()) == ("scripted-nan",)
     assert [case.name for case in alone.cases] == ["step"]
     assert alone.restricted_to == "scripted-nan"
     assert alone.restricted(courant=0.125).restricted_to == "Courant number 0.125"

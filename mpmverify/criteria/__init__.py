@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mpmverify.criteria.criterion import Criterion
-from mpmverify.criteria.errors import Exact, Order, Published, Stall
+from mpmverify.criteria.errors import Exact, Order, Published, Size, Stall
 from mpmverify.criteria.evidence import SeriesId
 from mpmverify.criteria.field_sums import FieldSums
 from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift
@@ -36,6 +36,7 @@ __all__ = [
     "PhaseError",
     "Published",
     "Separated",
+    "Size",
     "StabilityLimit",
     "Stall",
     "Unstable",
@@ -46,6 +47,7 @@ CRITERIA: Mapping[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         Order,
+        Size,
         Stall,
         Exact,
         Published,

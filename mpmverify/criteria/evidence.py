@@ -98,6 +98,8 @@ class Evidence:
         Measurements of the criteria on the solutions, (n,) by name.
     jitter, seed : Array, optional
         Largest random displacement of a particle relative to the spacing [1], and its seed (n,); None without displacements.
+    steps : Array, optional
+        Number of time steps that a run made (n,).
     """
 
     h: Array
@@ -110,6 +112,7 @@ class Evidence:
     metrics: Mapping[str, Array] = field(default_factory=dict)
     jitter: Array | None = None
     seed: Array | None = None
+    steps: Array | None = None
     _separations: dict[tuple[tuple[str, ...], str, str], Separation] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -214,6 +217,7 @@ def evidence_of(levels: Sequence[Level]) -> Evidence:
         ppc=np.array([level.ppc for level in levels]),
         jitter=np.array([level.jitter for level in levels]),
         seed=np.array([level.seed for level in levels]),
+        steps=np.array([level.steps for level in levels]),
         outcomes=tuple(level.outcome for level in levels),
         error={quantity: np.array([level.errors[quantity][0] for level in levels]) for quantity in quantities},
         reference={quantity: np.array([level.errors[quantity][1] for level in levels]) for quantity in quantities},

@@ -65,7 +65,7 @@ def verify(
     if missing:
         raise UsageError(f"{type(solver).__name__} is not a solver: it lacks {', '.join(missing)}")
     chosen = _case(study, case)
-    demanded = expectations(solver, chosen.problem, chosen.norm) if criteria is None else tuple(criteria)
+    demanded = expectations(solver, chosen.problem, chosen.norm, chosen.margin) if criteria is None else tuple(criteria)
     given = refinement or chosen.ladder
     ladders = [given] if given else [series.refinement for series in chosen.series]
     refinement = _in_h(chosen, ladders) if criteria is None else ladders[0]

@@ -26,6 +26,8 @@ class Finding:
         What was measured.
     source : str
         Source of the expectation.
+    limit : str
+        "known limit" if the criterion expects a limit of the scheme, else "".
     """
 
     study: str
@@ -37,6 +39,12 @@ class Finding:
     verdict: Verdict
     reason: str
     source: str
+    limit: str = ""
+
+    @property
+    def word(self) -> str:
+        """The verdict as people read it: to pass by a limit of the scheme is no plain success."""
+        return f"{self.verdict} ({self.limit})" if self.limit and self.verdict is Verdict.PASS else str(self.verdict)
 
     @classmethod
     def of(cls, fields: Mapping[str, Any]) -> "Finding":
@@ -44,7 +52,7 @@ class Finding:
         return cls(**(dict(fields) | {"verdict": Verdict(fields["verdict"])}))
 
     def __str__(self) -> str:
-        return f"{self.verdict} {self.study}/{self.case}/{self.solver} ({self.refinement}): {self.criterion}: {self.reason}"
+        return f"{self.word} {self.study}/{self.case}/{self.solver} ({self.refinement}): {self.criterion}: {self.reason}"
 
 
 def judge_criterion(criterion: Criterion, evidence: Evidence) -> Judgement:
