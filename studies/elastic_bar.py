@@ -146,7 +146,6 @@ STUDY = Study(
                 for solver in (*v.TAYLOR_GALERKIN, *MPM, *FEM)
             ),
             shown="stress",
-            norm="L2" if load is PULSE else "L1",
             ladder=halving(1.0, cells, quick=5, full=6, courant=0.25, ppc=2),
         )
         for load, cells, criteria in (

@@ -59,8 +59,8 @@ STUDY = Study(
                 _series(MaterialPoint("MUSL", APIC, "quadratic"), SATURATION, FINE, 4),
             ),
             shown="displacement",
-            ladder=_ladder((24, 32, 40, 48, 64), 5),
-            margin=0.3,
+            ladder=_ladder((16, 24, 32, 40, 48, 64), 6),
+            margin=0.25,
         ),
     ),
 )

@@ -719,8 +719,10 @@ def test_another_scheme_or_a_lag_of_one_step_gives_a_defect():
 def test_amplification_needs_time_steps_a_nonzero_field_and_an_advection_problem():
     criterion, good = Amplification(1, 1e-12, ""), carried(1)
     assert criterion.measure(carried(1, steps=0), LOOP) == {}
-    assert criterion.measure(dataclasses.replace(good, fields={"u": 0 * good.fields["u"]}), LOOP) == {}
     assert criterion.measure(dataclasses.replace(good, fields={}), LOOP) == {}
+    zero = criterion.measure(dataclasses.replace(good, fields={"u": 0 * good.fields["u"]}), LOOP)
+    found = judge_criterion(criterion, measured(**{name: value * ONES for name, value in zero.items()}))
+    assert found == (FAIL, f"the profile is zero at the start at h={H[0]:g}")
     assert criterion.measure(good, BAR) == {}
 
 

@@ -531,7 +531,9 @@ FAULTS = {
     "completion above the limit is an error": Fault(OUTCOMES, "Verdict.FAIL if", "Verdict.ERROR if"),
     "incomplete runs are judged": Fault(FINDINGS, "if evidence.incomplete and not isinstance(criterion, OnOutcomes):", "if False:"),
     "errors compared with themselves": Fault(BASELINE, "then = known.get(name, 0.0)", "then = now"),
-    "judged errors used as baseline": Fault(BASELINE, "known = accepted.get(level, {})", "known = accepted.get(level, {n: v[0] for n, v in values.items()})"),
+    "judged errors used as baseline": Fault(
+        BASELINE, "known = accepted.get(level, {})", "known = accepted.get(level, {n: v[0] for n, v in values.items()})"
+    ),
     "judging accepts": Fault(BASELINE, "                compared += 1\n", "                compared += 1\n                known[name] = now\n"),
     "series mixed up": Fault(
         BASELINE,

@@ -53,7 +53,7 @@ class Order(ErrorCriterion):
 
 @dataclass(frozen=True)
 class Size(ErrorCriterion):
-    """The errors of the levels with the smallest cells have a known size, which an order over few levels does not tell.
+    """The error of the finest level, or of that of a cell size, has a known size, which an order over few levels does not tell.
 
     Parameters
     ----------
@@ -61,6 +61,8 @@ class Size(ErrorCriterion):
     low, high : float
         Accepted relative errors.
     source : str
+    h : float
+        The cell size [m]; 0 for the finest level of a ladder, or for all levels of a design with the smallest cells.
     """
 
     quantity: str
@@ -68,21 +70,23 @@ class Size(ErrorCriterion):
     low: float
     high: float
     source: str
+    h: float = 0.0
 
     @property
     def title(self) -> str:
-        return f"error of {self.quantity} in {self.norm} in [{self.low:g}, {self.high:g}] at the finest h"
+        level = f"h={self.h:g}" if self.h else "the finest level"
+        return f"error of {self.quantity} in {self.norm} in [{self.low:.3g}, {self.high:.3g}] at {level}"
 
     def judge(self, evidence: Evidence) -> Judgement:
         error = evidence.relative(self.quantity, self.norm)
         if not finite_and_non_negative(error):
             return Verdict.ERROR, "the error is not finite on at least one level"
-        finest = error[evidence.h == evidence.h.min()]
-        verdict = Verdict.PASS if self.low <= finest.min() and finest.max() <= self.high else Verdict.FAIL
-        return (
-            verdict,
-            f"relative error {' to '.join(dict.fromkeys(f'{e:.3g}' for e in (finest.min(), finest.max())))} at the finest h",
-        )
+        size = evidence.h if self.h else evidence.sizes[evidence.axis.size or "h"]
+        judged = error[np.isclose(size, self.h or size.min(), rtol=1e-9, atol=0)]
+        if not judged.size:
+            return Verdict.INCONCLUSIVE, f"no level has h={self.h:g}"
+        verdict = Verdict.PASS if self.low <= judged.min() and judged.max() <= self.high else Verdict.FAIL
+        return verdict, f"relative error {' to '.join(dict.fromkeys(f'{e:.3g}' for e in (judged.min(), judged.max())))}"
 
 
 @dataclass(frozen=True)

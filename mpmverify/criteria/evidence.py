@@ -193,6 +193,17 @@ class Evidence:
         return self._separations[asked]
 
 
+def absent(metric: str) -> str:
+    """Name of the metric that records, in place of `metric`, that a solution does not have what is measured, such as a front."""
+    return f"{metric}_absent"
+
+
+def first_absent(metric: str, evidence: Evidence) -> str:
+    """Return the name of the first level whose solution does not have what is measured; "" if all have it, or none was looked at."""
+    found = evidence.metrics.get(absent(metric))
+    return "" if found is None else evidence.names[int(np.argmax(found == 1))]
+
+
 def evidence_of(levels: Sequence[Level]) -> Evidence:
     """Collect the evidence of one series.
 

@@ -16,12 +16,12 @@ def orders(basis: Basis, transfer: Transfer) -> Mapping[str, float]:
       quadratic functions at every clamped end. This costs half an order in L2 of the stress of splines, and of the velocity where
       FLIP adds the acceleration to it.
     - In the end cells of clamped cubic splines the quadrature over particles does not balance a constant stress, and with moving
-      least squares neither does the gradient: a strain error of O(1) over a length O(h) leaves half an order of the stress and
-      first order of displacement and velocity, which with cubic splines shows on fine levels only.
+      least squares neither does the gradient: a strain error of O(1) over a length O(h) leaves half an order of the stress, and of the
+      velocity where FLIP adds the acceleration, and first order of displacement, which with cubic splines shows on fine levels only.
     - The force of a hat changes where the stretched domain of a particle leaves a cell, an error of first order in velocity and stress.
     """
     if isinstance(basis.kind, MovingLeastSquares) or basis.degree > 2:
-        return {"displacement": 1.0, "velocity": 1.0, "stress": 0.5}
+        return {"displacement": 1.0, "velocity": 0.5, "stress": 0.5}
     if _damped(transfer) or basis.stretched:
         return {"displacement": 1.0 if _damped(transfer) else 2.0, "velocity": 1.0, "stress": 1.0}
     return {"displacement": 2.0, "velocity": 2.0 if transfer.affine else 1.5, "stress": 1.5 if basis.degree > 1 else 1.0}
