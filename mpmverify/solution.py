@@ -24,7 +24,7 @@ class Status(StrEnum):
 
 ADVICE: Mapping[Status, str] = {
     Status.COMPLETED: "",
-    Status.UNSTABLE: "the kinetic energy grew without bound: lower the Courant number",
+    Status.UNSTABLE: "the solution grew without bound: lower the Courant number",
     Status.NON_FINITE: "a field became NaN or infinite: lower the Courant number, or look for a division by a zero mass or volume",
     Status.LEFT_GRID: "a particle left the background grid: enlarge the domain or lower the load",
     Status.TIMED_OUT: "the run exceeded its time limit: raise the limit or coarsen the level",

@@ -376,6 +376,17 @@ def energy_that_increases_again_does_not_decay(c: ModuleType) -> None:
     assert verdict_on(c.EnergyDecays(""), falling(5, 4, 3, 3, 3.1))[0] == "FAIL"
 
 
+def a_stall_has_a_known_size(c: ModuleType) -> None:
+    """A body that never moves stalls at the error 1; of the two finest levels both count, and of a size the finest one alone."""
+    stall, size = c.Stall("u", "L2", 0.5, 0.05, 0.2, ""), c.Size("u", "L2", 0.05, 0.2, "")
+    for error, expected in ((0.1, "PASS"), (1.0, "FAIL"), (0.01, "FAIL")):
+        assert stall.judge(evidence(stored, 0 * H + error))[0] == expected
+        assert size.judge(evidence(stored, np.where(FINEST, error, 0.1 + H)))[0] == expected
+        assert stall.judge(evidence(stored, np.where(H == 0.04, error, 0.1)))[0] != ("FAIL" if expected == "PASS" else "PASS")
+    assert c.Size("u", "L2", 0.05, 0.2, "", 0.5).judge(evidence(stored, np.where(COARSEST, 0.1, 1.0)))[0] == "PASS"
+    assert c.Size("u", "L2", 0.05, 0.2, "", 0.3).judge(evidence(stored, 0 * H + 0.1))[0] == "INCONCLUSIVE"
+
+
 def unstable_runs_must_be_reported_as_unstable(c: ModuleType) -> None:
     def ended(*outcomes: str) -> str:
         nu = np.full(len(outcomes), 1.1)
@@ -407,6 +418,7 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         round_off_of_the_momentum_scales_with_what_moves,
         missing_fields_and_histories_are_named_and_do_not_pass,
         energy_that_increases_again_does_not_decay,
+        a_stall_has_a_known_size,
         unstable_runs_must_be_reported_as_unstable,
     ),
     "judgement/findings": (incomplete_runs_are_judged_by_their_outcome_alone,),
@@ -434,6 +446,7 @@ GCI, LEVELS, REFERENCE = "convergence/gci.py", "convergence/levels.py", "converg
 FIT_LOGARITHMS = "x, y = np.log(h), np.log(error)\n    dx"
 STUDENT = "float(stdtrit(len(h) - 2, 0.5 + confidence / 2))"
 SUMS, HISTORIES, OUTCOMES = "criteria/field_sums.py", "criteria/histories.py", "criteria/outcomes.py"
+ERRORS = "criteria/errors.py"
 NORMS, EVIDENCE, VERDICT = "criteria/norms.py", "criteria/evidence.py", "convergence/verdict.py"
 FINDINGS, BASELINE = "judgement/findings.py", "judgement/baseline.py"
 IN_BAND = "if not (low <= fit.low and fit.high <= high):"
@@ -526,6 +539,10 @@ FAULTS = {
     "last rise alone": Fault(HISTORIES, "np.minimum.accumulate(total)", "np.minimum(total, total[-1])"),
     "scale of the net momentum alone": Fault(HISTORIES, "scales.append(moved_momentum(", "scales.append(0 * moved_momentum("),
     "momentum of the last point": Fault(HISTORIES, "axis=2) @ solution.weight[0]", "axis=2)[:, -1:]"),
+    "any size stalls": Fault(ERRORS, "if not (self.low <= min(before, finest) and max(before, finest) <= self.high):", "if False:"),
+    "small errors stall": Fault(ERRORS, "if not (self.low <= min(before, finest) and max", "if not (max"),
+    "large errors have the size": Fault(ERRORS, "self.low <= judged.min() and judged.max() <= self.high", "self.low <= judged.min()"),
+    "size of every level": Fault(ERRORS, "self.h or size.min(), rtol=1e-9", "size, rtol=1e-9"),
     "completion above the limit passes": Fault(OUTCOMES, "if status != Status.UNSTABLE}", "if status not in (Status.UNSTABLE, Status.COMPLETED)}"),
     "crash above the limit passes": Fault(OUTCOMES, "if status != Status.UNSTABLE}", "if status == Status.COMPLETED}"),
     "completion above the limit is an error": Fault(OUTCOMES, "Verdict.FAIL if", "Verdict.ERROR if"),

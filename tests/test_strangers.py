@@ -122,5 +122,5 @@ def sizes(problem: VerificationProblem) -> Iterator[tuple[str, float]]:
 @pytest.mark.parametrize("name", studies.NAMES)
 def test_no_case_is_judged_at_a_time_at_which_its_field_vanishes(name: str) -> None:
     for case in studies.get(name).cases:
-        if case.norm != "L2-max":
+        if case.norm != "L2-max" and any(isinstance(c, Order) for series in case.series for c in series.criteria):
             assert all(share > 0.1 for _, share in sizes(case.problem)), case.name

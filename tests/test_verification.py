@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mpmverify import studies
 from mpmverify.convergence.verdict import Verdict
-from mpmverify.criteria import Balance, EnergyConserved, EnergyDrift, Exact, Order
+from mpmverify.criteria import Balance, Dispersion, EnergyConserved, EnergyDrift, Exact, Order
 from mpmverify.criteria.evidence import evidence_of
 from mpmverify.criteria.expectations import MARGIN, expectations, order_band
 from mpmverify.errors import UsageError
@@ -21,6 +21,7 @@ from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic
 from mpmverify.execution.runner import run
 from mpmverify.execution.verify import verify
 from mpmverify.problem import Constant, Discretisation, Outflow
+from mpmverify.solution import ADVICE
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.study import Refinement, design, halving, in_time
 
@@ -217,6 +218,36 @@ def test_the_reason_names_the_history_that_the_solver_does_not_return(criterion,
     assert all(f"'{name}'" in finding.reason for name in needed)
 
 
+def test_the_reason_names_the_fields_that_both_solutions_have():
+    (finding,) = verify(Scripted(), HILL, criteria=[Order("velocity", "L2", 1, 3, "ours")])
+    cause = "'velocity' was not measured on this series: the solver does not return it, the exact solution does not have it (both have u)"
+    assert finding.reason.startswith(cause)
+    (finding,) = verify(Scripted(), HILL, criteria=[Dispersion("tg-lumped", "velocity", 1.0, 1e-9, "ours")])
+    assert "made of the field 'velocity' of a bar at every time step, was not measured on this series" in finding.reason
+
+
+def test_the_advice_to_an_unstable_run_holds_for_a_scalar_that_has_no_energy():
+    assert all("energy" not in advice for advice in ADVICE.values())
+
+
+def test_a_solver_may_declare_another_order_of_coarse_levels():
+    @dataclass(frozen=True)
+    class Falling(Claiming):
+        claimed: float = 1.0
+
+        @property
+        def coarse_orders(self):
+            return {"u": 2.5}
+
+    assert verdicts(Falling()) == {"order of u in L2-max in [0.85, 2.65]": Verdict.PASS, "mass conserved": Verdict.PASS}
+
+
+def test_a_case_may_know_that_its_orders_scatter():
+    (case,) = HILL.cases
+    scattered = replace(HILL, cases=(replace(case, margin=0.3),))
+    assert [f.criterion for f in verify(Plain(), scattered)] == ["order of u in L2-max in [1.7, 2.3]"]
+
+
 def test_an_order_is_inconclusive_for_zero_errors_or_two_levels():
     class Perfect(Plain):
         def solve(self, problem, discretisation):
@@ -302,8 +333,9 @@ def test_declared_orders_need_a_ladder_in_h_at_one_courant_number(refinement):
 
 
 def test_a_design_is_refused_and_by_default_the_first_ladder_in_h_is_used():
+    sources = studies.get("error-sources")
     with pytest.raises(UsageError, match="'3 h x 4 dt' on case 'h-and-dt' is not a ladder in h"):
-        verify(MaterialPoint(), studies.get("error-sources"), "h-and-dt")
+        verify(MaterialPoint(), sources, "h-and-dt", refinement=sources.cases[0].series[0].refinement)
     (case,) = HILL.cases
     both = (replace(case.series[0], refinement=design(1.0, cells=(8, 16), courant=(0.5, 0.25))), *case.series)
     found = verify(Plain(), replace(HILL, cases=(replace(case, series=both),)))

@@ -9,7 +9,7 @@ from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
 from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.criteria.bounds import finite_and_non_negative, judge_largest, relative_defect
 from mpmverify.criteria.criterion import Setting
-from mpmverify.criteria.evidence import Evidence
+from mpmverify.criteria.evidence import Evidence, first_absent
 from mpmverify.problem import Array, LinearElastic, components
 from mpmverify.problem.material import KelvinVoigt, Maxwell
 from mpmverify.solution import Solution
@@ -68,6 +68,8 @@ class Balance:
         return relative_defect(self._metric, defect, np.max(scales))
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(self._metric, evidence):
+            return Verdict.ERROR, f"nothing to balance: {self.stock} and all that moves are zero throughout at {where}"
         return judge_largest(evidence.metrics[self._metric], self.bound, "relative defect")
 
 
@@ -88,6 +90,7 @@ DRIFT_ROUND_OFF = 1e-11
 
 DRIFT, RISE = "energy_drift", "energy_rise"
 """Names of the metrics."""
+NO_ENERGY = "no energy to balance: kinetic and strain energy are zero throughout"
 
 
 def energy_balance(solution: Solution, setting: Setting) -> tuple[Array, float] | None:
@@ -141,6 +144,8 @@ class EnergyDrift:
         return energy_drift(solution, setting)
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(DRIFT, evidence):
+            return Verdict.ERROR, f"{NO_ENERGY} at {where}"
         drift = evidence.metrics[DRIFT]
         if not finite_and_non_negative(drift):
             return Verdict.ERROR, "the energy drift is not finite, or negative, on at least one level"
@@ -174,6 +179,8 @@ class EnergyConserved:
         return energy_drift(solution, setting)
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(DRIFT, evidence):
+            return Verdict.ERROR, f"{NO_ENERGY} at {where}"
         return judge_largest(evidence.metrics[DRIFT], self.bound, "relative energy drift")
 
 
@@ -202,4 +209,6 @@ class EnergyDecays:
         return relative_defect(RISE, total - np.minimum.accumulate(total), scale)
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(RISE, evidence):
+            return Verdict.ERROR, f"{NO_ENERGY} at {where}"
         return judge_largest(evidence.metrics[RISE], self.bound, "relative rise of the energy")

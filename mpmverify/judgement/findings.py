@@ -7,6 +7,7 @@ from typing import Any
 from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.criteria.criterion import Criterion, OnOutcomes
 from mpmverify.criteria.evidence import Evidence
+from mpmverify.criteria.metrics import NotMeasuredError
 
 
 @dataclass(frozen=True)
@@ -69,5 +70,13 @@ def judge_criterion(criterion: Criterion, evidence: Evidence) -> Judgement:
     except KeyError as missing:
         return (
             Verdict.ERROR,
-            f"{missing} was not measured on this series: the solver does not return it, it is not finite, or the results are old",
+            f"{missing} was not measured on this series: {_cause(missing, evidence)}, it is not finite, or the results are old",
         )
+
+
+def _cause(missing: KeyError, evidence: Evidence) -> str:
+    """Say why something was not measured: a field is compared with the exact one, which a problem may lack."""
+    if isinstance(missing, NotMeasuredError):
+        return "the solver does not return it"
+    both = ", ".join(evidence.error) or "none"
+    return f"the solver does not return it, the exact solution does not have it (both have {both})"
