@@ -33,7 +33,7 @@ LINEAR = (
     *v.orders("L2-max", 1.4, 2.2, HAT_SOURCE, "velocity"),
     *v.orders("L2-max", 0.9, 1.25, f"approached from above; {v.STRESS_SOURCE}", "stress"),
 )
-QUADRATIC = (
+QUADRATIC: tuple[Criterion, ...] = (
     *v.orders("L2-max", 1.8, 2.2, v.AFFINE_SOURCE, "displacement", "velocity"),
     Size("stress", "L2-max", 0.003, 0.1, SURFACE_SOURCE),
 )

@@ -38,18 +38,18 @@ SIZE_SOURCE = (
     "own measurement, to a tenth: over half a period a phase that is wrong by 1 % is an error of 0.03, as large as that of these levels, "
     "and an order does not tell the two apart"
 )
-LARGE = (
+LARGE: tuple[Criterion, ...] = (
     *v.orders("L2-max", 1.8, 2.2, v.AFFINE_SOURCE, "displacement", "velocity"),
     *v.orders("L2-max", 1.8, 2.5, SHEAR_SOURCE, "stress"),
     Size("displacement", "L2-max", 0.0155, 0.02, SIZE_SOURCE, 3.0 / 96),
 )
-LINEAR = (
+LINEAR: tuple[Criterion, ...] = (
     *v.orders("L2-max", 1.8, 2.2, v.MPM_SOURCE, "displacement"),
     *v.orders("L2-max", 1.4, 2.5, HAT_SOURCE, "velocity"),
     *v.orders("L2-max", 0.8, 1.1, v.STRESS_SOURCE, "stress"),
     Size("displacement", "L2-max", 0.034, 0.042, SIZE_SOURCE, 3.0 / 64),
 )
-QUADRATIC = (
+QUADRATIC: tuple[Criterion, ...] = (
     *v.orders("L2-max", 1.8, 2.2, v.AFFINE_SOURCE, "displacement"),
     *v.orders("L2-max", 1.6, 2.1, f"approached from below; {v.AFFINE_SOURCE}", "velocity"),
     Size("stress", "L2-max", 0.015, 0.2, QUADRATURE_SOURCE),

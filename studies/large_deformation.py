@@ -49,7 +49,7 @@ CROSSED_SOURCE = (
 STRESS = v.orders("L2-max", 0.9, 1.2, v.STRESS_SOURCE, "stress")
 HAT = (*v.orders("L2-max", 1.8, 2.2, v.MPM_SOURCE, "displacement", "velocity"), *STRESS)
 CUBE_SOURCE = "own measurement, to a tenth: larger than the error of a phase that is wrong by 1 %, which an order does not tell on so few cells"
-CUBE = (*HAT, Size("displacement", "L2-max", 0.047, 0.06, CUBE_SOURCE, 1.0 / 12))
+CUBE: tuple[Criterion, ...] = (*HAT, Size("displacement", "L2-max", 0.047, 0.06, CUBE_SOURCE, 1.0 / 12))
 SPLINE = (
     *v.orders("L2-max", 1.8, 2.2, v.MPM_SOURCE, "displacement"),
     *v.orders("L2-max", 1.4, 2.15, v.SPLINE_SOURCE, "velocity", "stress"),
@@ -59,7 +59,7 @@ DOMAINS = (
     *v.orders("L2-max", 1.8, 2.2, DOMAIN_SOURCE, "displacement"),
     *v.orders("L2-max", 0.8, 2.2, CROSSED_SOURCE, "velocity", "stress"),
 )
-CUBIC = (
+CUBIC: tuple[Criterion, ...] = (
     *v.orders("L2-max", 1.8, 2.2, CUBIC_SOURCE, "displacement"),
     *v.orders("L2-max", 0.85, 2.15, f"first order in the end; {CUBIC_ENDS_SOURCE}", "velocity"),
     Size("stress", "L2-max", 0.004, 0.1, f"order 1/2 in the end; {CUBIC_ENDS_SOURCE}"),

@@ -33,7 +33,7 @@ CROSSING = v.stalls(v.CROSSING_SOURCE, displacement=(0.25, 0.97), velocity=(0.24
 CROSSING_LADDER = halving(1.0, 8, quick=4, full=4, courant=0.2, ppc=2)
 """Ends at 1/h = 64, beyond which the errors are larger than the solution."""
 QUADRATURE_SOURCE = f"own measurement: in these the quadrature of moved particles shows from 1/h = 32 on; {v.SATURATION_SOURCE}"
-SPLINES = (
+SPLINES: tuple[Criterion, ...] = (
     Order("displacement", "L2-max", 1.75, 2.15, v.CROSSING_SOURCE),
     *(Size(quantity, "L2-max", 0.0025, 0.02, QUADRATURE_SOURCE) for quantity in ("velocity", "stress")),
 )
