@@ -24,7 +24,7 @@ class Status(StrEnum):
 
 ADVICE: Mapping[Status, str] = {
     Status.COMPLETED: "",
-    Status.UNSTABLE: "the kinetic energy grew without bound: lower the Courant number",
+    Status.UNSTABLE: "the solution grew without bound: lower the Courant number",
     Status.NON_FINITE: "a field became NaN or infinite: lower the Courant number, or look for a division by a zero mass or volume",
     Status.LEFT_GRID: "a particle left the background grid: enlarge the domain or lower the load",
     Status.TIMED_OUT: "the run exceeded its time limit: raise the limit or coarsen the level",
@@ -172,6 +172,9 @@ class Solver(Protocol):
     -----
     A solver that compiles code may have a method `kernel(problem)`. It returns a hashable value that is equal for two problems exactly
     when the compiled code is the same, so that no two worker processes compile the same code at the same time.
+
+    A solver whose error has another order on coarse levels, until the term of the formal order dominates, may have an attribute
+    `coarse_orders`: that order by quantity. What it declares then holds when the measured order lies between the two.
     """
 
     @property

@@ -10,6 +10,8 @@ import numpy as np
 from mpmverify.convergence.axis import Axis, axis
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import SeriesId
+from mpmverify.criteria.expectations import MARGIN
+from mpmverify.criteria.norms import NORMS
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.problem import Discretisation
@@ -27,7 +29,7 @@ class Refinement:
     label : str
         Name of the ladder within its case, such as "nu_C=0.5".
     levels : tuple of Discretisation
-        Levels, coarsest first.
+        Coarsest first.
     quick : int
         Number of levels, from the coarsest, in the quick tier; 0 for a ladder of the full tier alone.
 
@@ -62,13 +64,12 @@ class Refinement:
         """
         if tier not in TIERS:
             raise UsageError(f"there is no tier {tier!r}: choose from {', '.join(TIERS)}")
-        return self.levels[: self.quick] if tier == "quick" else self.levels
+        return self.levels[: self.quick if tier == "quick" else None]
 
     @property
     def axis(self) -> Axis:
         """The sizes that the levels refine; the time steps are taken as the largest that the Courant numbers allow."""
-        columns = np.array([(level.h, level.courant * level.h, level.ppc) for level in self.levels])
-        return axis(*columns.T)
+        return axis(*np.array([(level.h, level.courant * level.h, level.ppc) for level in self.levels]).T)
 
     def with_courant(self, courant: float) -> "Refinement":
         """Return the same ladder with one Courant number [1] on all levels; levels that become equal are merged."""
@@ -190,12 +191,34 @@ class Case:
         Series on the problem.
     shown : str
         Quantity that the report plots first.
+    norm : str
+        Norm in which a solver of any origin is judged by the orders that it declares. By default L1 where the exact fields have finitely
+        many derivatives, as in the theory of their orders, and else L2-max, since a field may vanish at the final time.
+    ladder : Refinement, optional
+        Ladder on which such a solver is judged. By default the first ladder in h at one Courant number among the series.
+
+    margin : float
+        Accepted difference between its observed and its declared orders: greater where surfaces cut cells, so that orders scatter.
+
+    Raises
+    ------
+    UsageError
+        If the norm is unknown, or another than L1 where that is the default.
     """
 
     name: str
     problem: VerificationProblem
     series: tuple[Series, ...]
     shown: str
+    norm: str = ""
+    ladder: Refinement | None = None
+    margin: float = MARGIN
+
+    def __post_init__(self) -> None:
+        possible = NORMS[::-1] if np.isinf(self.problem.exact.derivatives) else ("L1",)
+        object.__setattr__(self, "norm", self.norm or possible[0])
+        if self.norm not in possible:
+            raise UsageError(f"case {self.name!r} cannot be judged in the norm {self.norm!r}: choose {' or '.join(possible)}")
 
 
 @dataclass(frozen=True)
@@ -207,7 +230,7 @@ class Study:
     name : str
         Name on the command line and in file names.
     title, summary : str
-        Heading and introduction of the page.
+        Of the page.
     cases : tuple of Case
         The cases.
     restricted_to : str
@@ -230,8 +253,7 @@ class Study:
         seen = set()
         named: dict[str, Solver] = {}
         for case, series in self.series():
-            identity = (case.name, series.solver.name, series.refinement.label)
-            if identity in seen:
+            if (identity := (case.name, series.solver.name, series.refinement.label)) in seen:
                 raise UsageError(f"study {self.name!r} declares {' / '.join(identity)} twice: remove one or rename its ladder")
             seen.add(identity)
             if named.setdefault(series.solver.name, series.solver) != series.solver:
@@ -275,10 +297,6 @@ class Study:
         """Return the solvers by name, in the order of declaration."""
         return {series.solver.name: series.solver for _, series in self.series()}
 
-    def solver_names(self) -> tuple[str, ...]:
-        """Return the names of the solvers, in the order of declaration."""
-        return tuple(self.solvers())
-
     def restricted(self, solvers: tuple[str, ...] = (), courant: float | None = None) -> "Study":
         """Return the study with only the named solvers, or all if none is named, and with one Courant number [1] if it is given.
 
@@ -296,7 +314,6 @@ class Study:
             if chosen:
                 cases.append(dataclasses.replace(case, series=tuple(chosen.values())))
         kept = dataclasses.replace(self, cases=tuple(cases))
-        names = kept.solver_names()
-        parts = [", ".join(names)] if len(names) < len(self.solver_names()) else []
+        parts = [", ".join(kept.solvers())] * (kept.solvers() != self.solvers())
         parts += [] if courant is None else [f"Courant number {courant:g}"]
         return dataclasses.replace(kept, restricted_to="; ".join(parts) or self.restricted_to)

@@ -332,7 +332,7 @@ def test_list_names_every_study_case_and_solver():
     assert result.exit_code == 0
     for name, declared in STUDIES.items():
         assert f"{name}: {declared.title}" in result.output
-        for solver in declared.solver_names():
+        for solver in declared.solvers():
             assert solver in result.output
         for case in declared.cases:
             assert case.name in result.output

@@ -24,8 +24,8 @@ def show(findings: Sequence[Finding], *, explain: bool = False) -> None:
     listed = list(findings) if explain else ranked(findings)[:LISTED]
     for finding in listed:
         output.print(
-            f"[{STYLES[finding.verdict]}]{finding.verdict}[/]",
-            escape(str(finding).removeprefix(finding.verdict).strip()),
+            f"[{STYLES[finding.verdict]}]{finding.word}[/]",
+            escape(str(finding).removeprefix(finding.word).strip()),
             highlight=False,
         )
         if explain:

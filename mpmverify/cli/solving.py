@@ -34,7 +34,7 @@ def list_() -> None:
         study = studies.get(name)
         click.echo(f"{name}: {study.title}")
         click.echo(f"  cases    {', '.join(case.name for case in study.cases)}")
-        click.echo(f"  solvers  {', '.join(study.solver_names())}")
+        click.echo(f"  solvers  {', '.join(study.solvers())}")
 
 
 @click.command(epilog=EPILOG)
@@ -140,7 +140,7 @@ def _chosen(names: Sequence[str], solvers: tuple[str, ...], courant: float | Non
     from mpmverify import studies
 
     declared = [studies.get(name) for name in dict.fromkeys(names or studies.NAMES)]
-    known = {solver for study in declared for solver in study.solver_names()}
+    known = {solver for study in declared for solver in study.solvers()}
     for solver in solvers:
         if solver not in known:
             raise UsageError(f"unknown solver {solver!r}: choose from {', '.join(sorted(known))}")

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mpmverify.criteria.criterion import Criterion
-from mpmverify.criteria.errors import Exact, Order, Published, Reproduced, Stall
+from mpmverify.criteria.errors import Exact, Order, Published, Reproduced, Size, Stall
 from mpmverify.criteria.evidence import SeriesId
 from mpmverify.criteria.field_sums import FieldSums
 from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift, ExactTotal
@@ -38,6 +38,7 @@ __all__ = [
     "Published",
     "Reproduced",
     "Separated",
+    "Size",
     "StabilityLimit",
     "Stall",
     "Unstable",
@@ -48,6 +49,7 @@ CRITERIA: Mapping[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         Order,
+        Size,
         Stall,
         Exact,
         Published,

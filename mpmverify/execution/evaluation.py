@@ -154,7 +154,7 @@ def evaluate(task: Task) -> Evaluated:
             write_run(path, task.key, solution, str(task))
         else:
             solution = read_run(path, task.key)
-        return Evaluated(_compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
+        return Evaluated(compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
     except MpmverifyError:
         raise
     except (Exception, SystemExit) as error:  # a solver under test may raise anything; the other runs must still finish
@@ -174,7 +174,14 @@ def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:
     return Level(*identity, jitter=at.jitter, seed=at.seed, outcome=str(outcome), **measured)
 
 
-def _compare(task: Task, solution: Solution) -> Level:
+def compare(task: Task, solution: Solution) -> Level:
+    """Compare a solution with the exact one, and measure it for the criteria.
+
+    Raises
+    ------
+    UsageError
+        If two criteria measure the same quantity differently.
+    """
     metrics: dict[str, float] = {}
     table = {}
     if solution.outcome.completed:

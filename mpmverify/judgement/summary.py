@@ -39,9 +39,10 @@ def ranked(findings: Sequence[Finding]) -> list[Finding]:
 
 
 def counts(findings: Sequence[Finding]) -> str:
-    """Number of findings of each verdict, the worst first, such as "3 FAIL, 40 PASS"."""
-    count = Counter(finding.verdict for finding in findings)
-    return ", ".join(f"{count[verdict]} {verdict}" for verdict in reversed(Verdict) if count[verdict]) or "nothing judged"
+    """Number of findings of each verdict, the worst first, such as "3 FAIL, 2 PASS (known limit), 40 PASS"."""
+    order = list(Verdict)
+    count = Counter((order.index(finding.verdict), finding.word) for finding in findings)
+    return ", ".join(f"{count[key]} {key[1]}" for key in sorted(count, reverse=True)) or "nothing judged"
 
 
 def junit(findings: Sequence[Finding]) -> bytes:

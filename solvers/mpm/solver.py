@@ -24,7 +24,7 @@ from mpmverify.problem import (
 from mpmverify.solution import Outcome, Solution, Status, Work
 
 from ..tracing import start_threads
-from . import loop, passes
+from . import formal_orders, loop, passes
 from .acceptance import check
 from .affine import AFFINE
 from .basis import BASES, Axis, Basis, basis_axis, grid_of
@@ -33,7 +33,6 @@ from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
 from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSTABLE, Outputs, by_component, no_histories
 from .order import Strips, strips
 from .reconstruction import cells_of
-from .splines import MovingLeastSquares
 from .start import particles_at_start
 from .state import Grid, Nodes, Particles, Scheme, Series, nodal
 from .transfers import FLIP, Transfer
@@ -163,24 +162,13 @@ class MaterialPoint:
 
     @property
     def orders(self) -> Mapping[str, float]:
-        """Formal orders in h while no particle crosses a cell.
+        """Formal orders in h, see `formal_orders.orders`."""
+        return formal_orders.orders(self._basis, self.transfer)
 
-        - PIC damps at first order. Affine transfers, and XPIC and FMPM with two terms, damp at second order.
-        - The gradient of the hat is constant in a cell, so that it is of second order in the middle of the cell only (`ppc` = 1).
-        - The centre of the lumped mass of the two functions at each clamped end is O(h) from their nodes. This costs half an order in L2
-          of the stress, and of the velocity where FLIP adds the acceleration to it.
-        - In the end cells of clamped cubic splines the quadrature over particles does not balance a constant stress, and with moving
-          least squares neither does the gradient: a strain error of O(1) over a length O(h) leaves half an order of the stress and
-          first order of displacement and velocity, which with cubic splines shows on fine levels only.
-        """
-        damped = self.transfer.flip < 1 and not self.transfer.affine and self.transfer.terms == 1
-        if isinstance(self._basis.kind, MovingLeastSquares) or self._basis.degree > 2:
-            return {"displacement": 1.0, "velocity": 1.0, "stress": 0.5}
-        if damped:
-            return {"displacement": 1.0, "velocity": 1.0, "stress": 1.0}
-        if self._basis.degree > 1:
-            return {"displacement": 2.0, "velocity": 2.0 if self.transfer.affine else 1.5, "stress": 1.5}
-        return {"displacement": 2.0, "velocity": 2.0, "stress": 1.0}
+    @property
+    def coarse_orders(self) -> Mapping[str, float]:
+        """Orders on coarse levels, see `formal_orders.coarse_orders`."""
+        return formal_orders.coarse_orders(self._basis, self.transfer)
 
     def kernel(self, problem: Problem) -> Hashable:
         """Key of the compiled loop: equal for problems that share it."""
