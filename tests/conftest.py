@@ -1,5 +1,11 @@
 """Plugins of the tests, which pytest takes from here alone; no time limit for an example; one worker for what compiles the same."""
 
+import os
+
+# Workers share the processors: a thread that spins while it waits for another keeps that other from running. Read on import of numpy.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from collections.abc import Iterator
 
 import pytest

@@ -15,7 +15,7 @@ from mpmverify.solvers.tracing import ARITHMETIC, traced, unpack
 
 def callable_from_python(function):
     """A traced function compiled to one with an entry."""
-    return njit(**ARITHMETIC)(lambda *args: function(*args))
+    return njit(**ARITHMETIC, no_cfunc_wrapper=True)(lambda *args: function(*args))
 
 
 def entries(module):
@@ -36,7 +36,7 @@ def of_the_first(values):
 def _along(grid, s):
     (first,), (offset,) = grid.kind.begins(grid, (s,), (1.0,))
     N, dN = splines.along(grid, 0, first, offset)
-    return first, N, dN, support.moment_along(grid, 0, first, s, N)
+    return first, N, dN, support.moment_along(grid, 0, first, offset, N)
 
 
 @njit(**ARITHMETIC)
@@ -51,12 +51,6 @@ def moment_along(grid, s):
     """Moments N (x_I - x) (W,), and their moment D, in cells."""
     moment, D = _along(grid, s)[3]
     return np.array(moment), D
-
-
-@njit(**ARITHMETIC)
-def supported(scheme, grid, particles, p):
-    """Whether a particle is on the grid."""
-    return stencil.found(scheme, grid, particles, p)[0]
 
 
 @traced
@@ -82,15 +76,29 @@ def _spread(scheme, grid, particles, p, N, dN, directions):
     at.spread_tensor(grid, dN, 0, columns(directions, constant(some.present, grid.lower)))
 
 
-spread = callable_from_python(_spread)
+@njit(**ARITHMETIC, no_cfunc_wrapper=True)
+def spread(scheme, grid, particles, p, N, dN, directions):
+    """Add the functions of a particle if it is on the grid; return whether it is."""
+    supported = stencil.found(scheme, grid, particles, p)[0]
+    if supported:
+        _spread(scheme, grid, particles, p, N, dN, directions)
+    return supported
+
+
+def functions_or_none(scheme, grid, particles, nodes, p):
+    """N_I (n,) and dN_I/dx (n, d) of a particle on n nodes (n, d), None if it is not on the grid."""
+    dimension, count = len(grid.lower), len(nodes)
+    N, dN = nodal(1, count), nodal(dimension, count)
+    if not spread(scheme, grid, particles, p, N, dN, tuple(np.eye(dimension).ravel().tolist())):
+        return None
+    return N[0], dN.T
 
 
 def functions_of(scheme, grid, particles, nodes, p):
-    """N_I (n,) and dN_I/dx (n, d) of a particle on n nodes (n, d)."""
-    dimension, count = len(grid.lower), len(nodes)
-    N, dN = nodal(1, count), nodal(dimension, count)
-    spread(scheme, grid, particles, p, N, dN, tuple(np.eye(dimension).ravel().tolist()))
-    return N[0], dN.T
+    """As `functions_or_none`, of a particle that has to be on the grid."""
+    found = functions_or_none(scheme, grid, particles, nodes, p)
+    assert found, "the particle is not on the grid"
+    return found
 
 
 def one_strip(grid, particles):
