@@ -71,7 +71,7 @@ def _literature(solver: Solver) -> tuple[Criterion, ...]:
     return _converges(solver)
 
 
-CROSSING = v.stalls(v.CROSSING_SOURCE, displacement=(0.08, 0.4), velocity=(0.08, 0.5), stress=(0.18, 0.75))
+CROSSING = v.stalls(v.CROSSING_SOURCE, displacement=(0.08, 0.65), velocity=(0.08, 0.6), stress=(0.18, 0.75))
 GEOMETRIC = v.stalls(v.GEOMETRIC_SOURCE, displacement=(0.0027, 0.006), velocity=(0.005, 0.0125), stress=(0.0055, 0.013))
 LINEAR: tuple[Solver, ...] = (*v.TAYLOR_GALERKIN, *v.FEM_P1, *v.FEM_P2)
 TOTAL: tuple[Solver, ...] = tuple(solver for solver in v.MPM if solver.formulation == "total")

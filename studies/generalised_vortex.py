@@ -73,8 +73,8 @@ STUDY = Study(
                 _series(
                     MaterialPoint("MUSL", APIC, "quadratic", "total"),
                     LARGE,
-                    (64, 80, 96, 128),
-                    3,
+                    (64, 72, 80, 96, 128),
+                    4,
                     courant=LARGE_SHEAR_COURANT,
                 ),
             ),

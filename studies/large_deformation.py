@@ -55,9 +55,10 @@ SPLINE = (
     *v.orders("L2-max", 1.4, 2.15, v.SPLINE_SOURCE, "velocity", "stress"),
 )
 APIC_SPLINE = v.orders("L2-max", 1.7, 2.2, v.AFFINE_SOURCE, "displacement", "velocity", "stress")
-DOMAINS = (
+DOMAINS: tuple[Criterion, ...] = (
     *v.orders("L2-max", 1.8, 2.2, DOMAIN_SOURCE, "displacement"),
-    *v.orders("L2-max", 0.8, 2.2, CROSSED_SOURCE, "velocity", "stress"),
+    Size("velocity", "L2-max", 0.002, 0.0045, CROSSED_SOURCE, 1.0 / 128),
+    Size("stress", "L2-max", 0.0009, 0.0027, CROSSED_SOURCE, 1.0 / 128),
 )
 CUBIC: tuple[Criterion, ...] = (
     *v.orders("L2-max", 1.8, 2.2, CUBIC_SOURCE, "displacement"),
