@@ -4,8 +4,6 @@
 Liu. Velocities live at t^{n-1/2}, half a step before positions, strain and stress. N_Ip is the function of node I at particle p; in the
 total Lagrangian formulation, at its reference position, where P = J sigma F^-T acts on the reference volume.
 
-References
-----------
 Sulsky, Chen and Schreyer, 1994, doi:10.1016/0045-7825(94)90112-0; Zhang, Chen and Liu, The Material Point Method, 2017, chapter 3;
 Bardenhagen, 2002, doi:10.1006/jcph.2002.7103 (USF, USL); Jiang, Schroeder and Teran, 2017, doi:10.1016/j.jcp.2017.02.050 (APIC);
 de Vaucorbeil, Nguyen and Hutchinson, 2020, doi:10.1016/j.cma.2019.112783 (total Lagrangian).
@@ -70,8 +68,12 @@ class Textbook:
         return f"textbook-{self.formulation[0]}l-{self.basis}-{self.schedule.lower()}-{self.transfer.lower()}"
 
     @property
+    def coarse_orders(self) -> Mapping[str, float]:
+        return dict.fromkeys(self.orders, 0.5 if self.transfer == "PIC" else 2.0)
+
+    @property
     def orders(self) -> Mapping[str, float]:
-        """Formal orders in h while no particle crosses a cell, see `MaterialPoint.orders`."""
+        """Formal orders in h while no particle crosses a cell; on coarse levels `coarse_orders`. See `MaterialPoint`."""
         linear, pic = self.basis == "linear", self.transfer == "PIC"
         velocity = 1.0 if pic else 2.0 if linear or self.transfer == "APIC" else 1.5
         return {"displacement": 1.0 if pic else 2.0, "velocity": velocity, "stress": 1.0 if linear or pic else 1.5}
@@ -82,11 +84,12 @@ class Textbook:
         Raises
         ------
         UsageError
-            If the material is neither linear elastic nor neo-Hookean, or a face is not held, loaded or periodic.
+            If the material is neither linear elastic nor neo-Hookean, or `require_body` refuses the faces or the initial state.
         """
         law, d, total, flip = problem.material, problem.dimension, self.formulation == "total", self.transfer == "FLIP"
         hooke = type(law) is bvp.LinearElastic
         bvp.require(hooke or type(law) is bvp.NeoHookean, self.name, problem, "linear elastic or neo-Hookean bodies")
+        bvp.require_body(self.name, problem)
         assert isinstance(law, bvp.LinearElastic)
         (steps, dt), grid = discretisation.time_steps(problem), Grid(problem, discretisation, self.basis)
         began, X, V0 = time.perf_counter(), *bvp.place_particles(problem, discretisation)
@@ -184,8 +187,6 @@ class Grid:
                     sides = [self.integrals(c, body.lower[c], body.upper[c]) for c in self.axes if c != k]
                     area[nodes, k] += reduce(np.multiply.outer, sides, np.array(1.0 if side else -1.0)).ravel()
                 self.tractions.append((area, condition.value))
-            else:
-                bvp.require(isinstance(condition, bvp.Periodic), "textbook", problem, "held, loaded or periodic faces")
         for entries, _ in self.velocities:
             self.fixed[entries] = True
 

@@ -5,7 +5,9 @@ from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.axis_aligned import axis_aligned
 from mpmverify.exact.steffen import steffen
 from mpmverify.problem import Discretisation
+from mpmverify.solution import Solver
 from mpmverify.solvers.mpm import APIC, FLIP, MaterialPoint, Transfer
+from mpmverify.solvers.textbook import Textbook
 from mpmverify.study import Case, Refinement, Series, Study, halving, ladder_label
 
 from . import variants as v
@@ -78,7 +80,7 @@ MLS = (
 )
 
 
-def _series(solver: MaterialPoint, expected: tuple[Criterion, ...], *cells: int) -> Series:
+def _series(solver: Solver, expected: tuple[Criterion, ...], *cells: int) -> Series:
     """Return a series on these numbers of cells along an axis; the last one is of the full tier, save where the scheme stalls."""
     levels = tuple(Discretisation(1.0 / count, COURANT, PPC) for count in cells)
     quick = len(cells) - (not isinstance(expected[0], Stall))
@@ -129,6 +131,7 @@ STUDY = Study(
                 _series(LINEAR, HAT, 16, 32, 64, 128, 256),
                 _series(QUADRATIC, SPLINE, 16, 32, 64, 128, 256),
                 _series(UPDATED, STALLED_BAR, 8, 16, 32, 64),
+                _series(Textbook(formulation="total"), HAT, 16, 32, 64, 128, 256),
             ),
             shown="displacement",
         ),
@@ -140,6 +143,7 @@ STUDY = Study(
                 _series(LINEAR, HAT, 8, 16, 32, 64, 128),
                 _series(AFFINE, APIC_SPLINE, 8, 16, 32, 64, 128),
                 _series(UPDATED, STALLED_SQUARE, 8, 16, 32, 64),
+                _series(Textbook(formulation="total"), HAT, 8, 10, 12, 16, 24),
             ),
             shown="displacement",
             ladder=_series(LINEAR, STALLED_SQUARE, 16, 24, 32, 48).refinement,

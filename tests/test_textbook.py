@@ -132,7 +132,7 @@ def test_an_unknown_choice_is_refused(choice, value):
 
 def test_other_materials_and_faces_are_refused():
     box = Problem("box", (0.0,), (1.0,), LAWS[0], {"x-": Absorbing(), "x+": Traction()}, 1.0)
-    with pytest.raises(UsageError, match="held, loaded or periodic faces"):
+    with pytest.raises(UsageError, match="prescribed velocities, tractions and joined ends"):
         Textbook().solve(box, Discretisation(0.25, 0.5))
     scalar = Problem("box", (0.0,), (1.0,), Transport(1.0), {"x-": Periodic(), "x+": Periodic()}, 1.0)
     with pytest.raises(UsageError, match="linear elastic or neo-Hookean bodies"):

@@ -19,7 +19,7 @@ from mpmverify.problem.boundary import (
 from mpmverify.problem.discretisation import Discretisation, output_steps
 from mpmverify.problem.material import LinearElastic, Material, NeoHookean, Transport
 from mpmverify.problem.particles import GAUSS, REGULAR, Layout, offset, place_particles
-from mpmverify.problem.problem import BodyForce, Field, Problem, Spatial, require
+from mpmverify.problem.problem import BodyForce, Field, Problem, Spatial, require, require_body
 from mpmverify.problem.quantities import UNITS, Array, components
 from mpmverify.problem.shapes import Block, Bodies, Disk, Ring, Shape
 
@@ -58,4 +58,5 @@ __all__ = [
     "output_steps",
     "place_particles",
     "require",
+    "require_body",
 ]
