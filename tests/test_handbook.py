@@ -71,7 +71,6 @@ def check(words: list[str]) -> None:
         ast.parse((ROOT / script).read_text(encoding="utf-8"))
 
 
-@pytest.mark.xdist_group("handbook")
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_every_block_of_a_page_runs_as_a_reader_would_run_it(page, tmp_path, monkeypatch, request, environment):
     """In order, in one folder that has the results of a run; Python blocks in one session.

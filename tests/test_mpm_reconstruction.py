@@ -20,7 +20,7 @@ from mpmverify.solvers.mpm.state import PASSED, Step
 to_grid = callable_from_python(sweeps.to_grid)
 RECONSTRUCTED = tuple(name for name in BASES if name.startswith("tls-"))
 CELLS, H = 3, 0.5
-bases = pytest.mark.parametrize("basis", [pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in RECONSTRUCTED])
+bases = pytest.mark.parametrize("basis", RECONSTRUCTED)
 BAR = steffen()
 in_dimensions = pytest.mark.parametrize("dimension", [1, 2, 3])
 

@@ -155,7 +155,6 @@ def test_arguments_without_annotation_are_not_swapped(toy):
     assert found == ["    return place(a, a, b)"]
 
 
-@pytest.mark.xdist_group("faults by rule")
 def test_every_patch_changes_exactly_one_passage(by_rule):
     texts = {file: (SOURCES / file).read_text(encoding="utf-8") for file in {fault.edits[0].file for fault in by_rule}}
     for fault in by_rule:
@@ -168,14 +167,12 @@ def test_every_patch_changes_exactly_one_passage(by_rule):
     assert len({fault.id for fault in by_rule}) == len(by_rule)
 
 
-@pytest.mark.xdist_group("faults by rule")
 def test_every_planted_fault_is_valid_python(by_rule):
     for fault in (*NAMED, *sampled(by_rule, session.FAULTS_PER_RULE)):
         for text in fault.planted(SOURCES).values():
             ast.parse(text)
 
 
-@pytest.mark.xdist_group("faults by rule")
 def test_the_sample_is_large_and_spread_over_families_and_rules(by_rule):
     sample = sampled(by_rule, session.FAULTS_PER_RULE)
     assert len(sample) >= 120
@@ -203,7 +200,6 @@ def test_named_faults_are_at_least_25_with_unique_names_and_ids():
     assert len({(fault.family, fault.name) for fault in NAMED}) == len({fault.id for fault in NAMED}) == len(NAMED)
 
 
-@pytest.mark.xdist_group("faults by rule")
 def test_every_explanation_belongs_to_an_existing_fault(by_rule):
     assert set(EXPLAINED) <= {fault.id for fault in (*NAMED, *by_rule)}
 
@@ -310,7 +306,6 @@ FATES = {
 }
 
 
-@pytest.mark.xdist_group("fates")
 @pytest.mark.parametrize("name", FATES)
 def test_the_fate_of_a_fault(name, judged):
     result, fate = judged[name], FATES[name][1]
@@ -319,7 +314,6 @@ def test_the_fate_of_a_fault(name, judged):
     assert (result.deviation > 1e-11) == (fate is Fate.SURVIVED)
 
 
-@pytest.mark.xdist_group("fates")
 def test_an_invalid_solution_is_killed_by_the_contract_and_a_solver_that_raises_does_not_run(judged):
     invalid, broken = judged["invalid-solution"], judged["broken"]
     assert (invalid.fate, invalid.finding.criterion) == (Fate.KILLED, CONTRACT)
@@ -328,17 +322,12 @@ def test_an_invalid_solution_is_killed_by_the_contract_and_a_solver_that_raises_
     assert broken.finding.criterion != CONTRACT
 
 
-alone = pytest.mark.xdist_group("each alone")  # one worker starts one server of processes
-
-
-@alone
 def test_a_process_that_dies_or_hangs_takes_no_other_task_with_it():
     done = dict(each_alone(double, (1, 2, 3, 4, 6), 2, 2.0, why, ["mpmverify.errors"]))
     died, hung = "the process died with exit status 7", "no result within 2 s of processor time"
     assert done == {1: 2, 2: 4, 3: (died, False), 4: (hung, False), 6: 12}
 
 
-@alone
 def test_a_process_that_is_not_let_run_is_undecided(monkeypatch):
     monkeypatch.setattr(processes, "PATIENCE", 2)
     assert dict(each_alone(double, (5,), 1, 1.0, why, ["mpmverify.errors"])) == {5: ("no result within 2 s", True)}
@@ -438,7 +427,6 @@ def tested(small, tmp_path_factory):
     return folder, invoke("--out", str(folder), "--jobs", "2", "--explain", status=0)
 
 
-@alone
 def test_the_command_prints_the_kill_table_and_reuses_stored_results(tested, monkeypatch):
     folder, output = tested
     assert "0 unexplained survivors" in output
@@ -453,7 +441,6 @@ def test_the_command_prints_the_kill_table_and_reuses_stored_results(tested, mon
     invoke("--out", str(folder), status=0)
 
 
-@alone
 def test_the_command_fails_on_a_survivor_and_on_a_false_alarm(tested, tmp_path, monkeypatch):
     survivor = Fault("taylor_galerkin", "named", "survivor", (FATES["survived"][0],))
     monkeypatch.setattr(session, "NAMED", (survivor,))
@@ -464,7 +451,6 @@ def test_the_command_fails_on_a_survivor_and_on_a_false_alarm(tested, tmp_path, 
     assert "order 1" in output
 
 
-@alone
 def test_a_fault_that_exceeds_its_time_limit_leaves_no_files(tested, tmp_path, monkeypatch):
     hung = Edit(TG_SOLVER, "MARGIN = 10.0", "while True:\n    pass\nMARGIN = 10.0")
     monkeypatch.setattr(session, "NAMED", (Fault("taylor_galerkin", "named", "hung", (hung,)),))
