@@ -280,7 +280,7 @@ def test_a_usage_error_is_raised_and_finished_runs_are_kept(tmp_path, monkeypatc
     def refuse(_):
         raise UsageError("solver 'scripted-raises' cannot solve this")
 
-    monkeypatch.setattr("faulty_solvers.BEHAVIOURS", {"raises": refuse})
+    monkeypatch.setitem(BEHAVIOURS, "raises", refuse)
     declared = study(), study(Scripted("raises"), Scripted("nan"), name="costlier")
     with pytest.raises(UsageError, match="cannot solve this"):
         list(run(declared, plan(tmp_path)))

@@ -234,7 +234,7 @@ class MaterialPoint:
             code, done, kept = march(*state, *record, body, done, end, kept)
         seconds = time.perf_counter() - started
 
-        end = End(code, done, steps, dt, reference[particles.place], particles.position, state[3])
+        ended = End(code, done, steps, dt, reference[particles.place], particles.position, state[3])
         taken = min(done, steps)
         return Solution(
             time=times[step[:kept]],
@@ -249,7 +249,7 @@ class MaterialPoint:
             },
             histories={"time": times[histories.step[histories.step < done]], **by_component(histories, done)},
             work=Work(taken, taken * count, seconds),
-            outcome=outcome(end, problem, discretisation, self.basis),
+            outcome=outcome(ended, problem, discretisation, self.basis),
         )
 
     def _scheme(self, problem: Problem) -> Scheme:
