@@ -26,6 +26,8 @@ from mpmverify.solution import Outcome, Solution, Status, Work
 CHOICES = (("USF", "USL", "MUSL"), ("FLIP", "PIC", "APIC"), ("linear", "quadratic"), ("updated", "total"))
 MASSLESS = {"linear": 1e-12, "quadratic": 0.0}
 """Nodal mass, by that of the heaviest particle, up to which a node takes no internal force and no traction: a hat has a slope even there."""
+GROWTH = 100.0
+"""A run is unstable when its kinetic energy exceeds this many times the energy that it was given."""
 TINY, STATE = np.finfo(float).tiny, ("displacement", "velocity", "displacement_gradient", "stress")
 VOIGT = {1: ([0], [0]), 2: ([0, 1, 0], [0, 1, 1]), 3: ([0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0])}
 """Rows and columns of the independent components of the stress, by dimension."""
@@ -94,7 +96,7 @@ class Textbook:
         (steps, dt), grid = discretisation.time_steps(problem), Grid(problem, discretisation, self.basis)
         began, X, V0 = time.perf_counter(), *bvp.place_particles(problem, discretisation)
         wanted, outcome, outputs, histories = bvp.output_steps(steps, problem.outputs), Outcome(), list[Any](), list[Any]()
-        m, one, impulse, B, stress = law.density * V0, np.eye(d), np.zeros(d), *np.zeros((2, len(X), d, d))
+        m, one, given, impulse, B, stress = law.density * V0, np.eye(d), 0.0, np.zeros(d), *np.zeros((2, len(X), d, d))
         u, v, H, sigma = (problem.initial_field(quantity, X) for quantity in STATE)
         x, F, stress[:, *VOIGT[d]], stress[:, *VOIGT[d][::-1]] = X + u, one + H.reshape(-1, d, d), sigma, sigma
 
@@ -113,10 +115,12 @@ class Textbook:
             for n in range(steps + 1):
                 kick, leap = (dt / 2, dt) if n else (0.0, dt / 2)  # from v^{n-1/2} to v^n, and to v^{n+1/2}
                 before, now, after = max(n - 0.5, 0.0) * dt, n * dt, (n + 0.5) * dt
-                if not grid.holds(X if total else x):
+                at = X if total else x
+                inside = np.abs((at - grid.lower) / grid.h - grid.cells / 2) <= grid.cells / 2
+                if not np.all(inside | grid.joined & np.isfinite(at)):
                     outcome = Outcome(Status.LEFT_GRID, f"at step {n} of {steps}")
                     break
-                node, N, dN, r = grid.support(X if total else x)
+                node, N, dN, r = grid.support(at)
                 # 1. Calculate the grid nodal mass and momentum by mapping the particle mass and momentum to the grid nodes.
                 D = einsum("pw,pwi,pwi->pi", N, r, r)[:, None]
                 m_I, p_I = grid.sum(node, (m[:, None] * N)[:, :, None]), nodal_momentum()
@@ -135,13 +139,16 @@ class Textbook:
                 # 5. Integrate the momentum equation with essential boundary conditions. The first step is a half one.
                 a_I = (heavy * internal + external) / np.maximum(m_I, TINY)
                 a_I = np.where(grid.fixed, (grid.held(v_I, after) - v_I) / leap, a_I)
-                external = np.where(grid.fixed, m_I * a_I - internal, external).sum(axis=0)
-                v_I = v_I + leap * a_I
+                external = np.where(grid.fixed, m_I * a_I - internal, external)
+                given += dt * np.abs((external * (v_I + kick * a_I)).sum())
+                v_I, external = v_I + leap * a_I, external.sum(axis=0)
                 # Record the synchronous state at t^n.
                 v_n = v + kick * (a := einsum("pw,pwi->pi", N, a_I[node]))
                 sums = now, m_I.sum(), *(m @ v_n), *(impulse + kick * external), m @ einsum("pi,pi->p", v_n, v_n) / 2
-                if not (np.isfinite(sums).all() and np.isfinite(stress).all() and (V > 0).all()):
-                    outcome = Outcome(Status.NON_FINITE, f"at step {n} of {steps}")
+                given += 0.0 if n else sums[-1] + einsum("p,pij,pij->", V0, stress, stress) / law.youngs_modulus
+                finite = np.isfinite(sums).all() and np.isfinite(stress).all() and (V > 0).all()
+                if not finite or sums[-1] > GROWTH * given:
+                    outcome = Outcome(Status.UNSTABLE if finite else Status.NON_FINITE, f"at step {n} of {steps}")
                     break
                 histories.append(sums)
                 impulse = impulse + leap * external + (0.0 if flip else gained)
@@ -200,11 +207,6 @@ class Grid:
     def load(self, t: float) -> Array:
         """Nodal forces (n, d) [N] of the tractions at a time [s]."""
         return sum((area * value(np.array([t])) for area, value in self.tractions), np.zeros(self.fixed.shape))
-
-    def holds(self, x: Array) -> bool:
-        """Whether all places (P, d) [m] lie on the grid."""
-        inside = np.abs((x - self.lower) / self.h - self.cells / 2) <= self.cells / 2
-        return bool(np.all(inside | self.joined & np.isfinite(x)))
 
     def sum(self, node: Array, values: Array) -> Array:
         """Sums (n, ...) over the particles of values (P, W, ...) at their nodes (P, W)."""

@@ -84,7 +84,7 @@ def test_a_run_is_read_back_bit_for_bit(tmp_path, cells):
     made = transported(advection(Gaussian()).problem, Discretisation(h=1 / cells, courant=0.5), 0.01)
     made.fields["u"].ravel()[: len(EXTREME)] = EXTREME
     made = dataclasses.replace(
-        made, dt=1 / 3, work=Work(2**40, 2**50, 0.1 + 0.2), outcome=Outcome(Status.NON_FINITE, "at step 3, é")
+        made, dt=1 / 3, work=Work(2**40, 2**50, 0.1 + 0.2), outcome=Outcome(Status.NON_FINITE, "at step 3, é", "take ß")
     )
     write_run(tmp_path / "k.nc", "k", made, "title")
     back = read_run(tmp_path / "k.nc", "k")

@@ -519,7 +519,11 @@ def test_levels_of_a_design_are_named_by_all_their_parameters():
         (
             ["completed"] * 3 + [str(Outcome(Status.LEFT_GRID, f"at step {n}")) for n in (3, 5)],
             "h=0.015625: left the grid; at step 3; h=0.0078125: left the grid; at step 5; "
-            "a particle left the background grid: enlarge the domain or lower the load",
+            "a particle left the background grid: enlarge the domain or lower the load, unless a face or an unstable run drives it out",
+        ),
+        (
+            ["completed"] * 3 + [str(Outcome(Status.LEFT_GRID, f"at step {n}", "move the face by less")) for n in (3, 5)],
+            "h=0.015625: left the grid; at step 3; h=0.0078125: left the grid; at step 5; move the face by less",
         ),
     ],
 )

@@ -280,12 +280,12 @@ def test_a_usage_error_is_raised_and_finished_runs_are_kept(tmp_path, monkeypatc
     def refuse(_):
         raise UsageError("solver 'scripted-raises' cannot solve this")
 
-    monkeypatch.setattr("faulty_solvers.BEHAVIOURS", {"raises": refuse})
-    declared = study(Scripted("raises", below=0.04))
+    monkeypatch.setitem(BEHAVIOURS, "raises", refuse)
+    declared = study(), study(Scripted("raises"), Scripted("nan"), name="costlier")
     with pytest.raises(UsageError, match="cannot solve this"):
-        judged_once(declared, tmp_path)
-    assert len(list((tmp_path / "runs").iterdir())) == LEVELS - 1
-    assert not (tmp_path / "scripted.nc").exists()
+        list(run(declared, plan(tmp_path)))
+    assert len(list((tmp_path / "runs").iterdir())) == LEVELS
+    assert [path.name for path in tmp_path.glob("*.nc")] == ["scripted.nc"]
 
 
 # Damaged and foreign files.
@@ -349,6 +349,24 @@ def test_progress_counts_every_run_once(tmp_path):
     calls = []
     list(run([study(), study(Scripted("raises"), name="other")], plan(tmp_path), lambda *call: calls.append(call)))
     assert calls == [(name, k, LEVELS) for name in ("scripted", "other") for k in (1, 2, 3)]
+
+
+def test_the_cheapest_study_is_judged_first_and_its_longest_run_is_solved_first(tmp_path, journal):
+    costly, cheap = study(Scripted(), Scripted("unstable"), name="costly"), study(Scripted(journal=str(journal)), name="cheap")
+    told = []
+    told.extend(
+        f"{judged.study} is judged" for judged in run([costly, cheap], plan(tmp_path), lambda name, *_: told.append(name))
+    )
+    assert told == ["cheap"] * LEVELS + ["cheap is judged"] + ["costly"] * 2 * LEVELS + ["costly is judged"]
+    sizes = [float(line.split()[1]) for line in journal.read_text().splitlines()]
+    assert sizes == sorted(sizes)
+    assert len(sizes) == LEVELS
+
+
+def test_the_seconds_of_a_study_are_those_of_its_runs(tmp_path):
+    slow = study(Scripted("dawdles"))
+    assert judged_once(slow, tmp_path).seconds > 0.3 * LEVELS
+    assert judged_once(slow, tmp_path).seconds == 0.0, "all of it was at hand"
 
 
 def test_one_run_per_series_is_shown_and_it_has_few_points(tmp_path):

@@ -13,7 +13,6 @@ from mpmverify.convergence.sources import Separation, separate
 from mpmverify.criteria.metrics import Metrics
 from mpmverify.criteria.norms import NORMS
 from mpmverify.problem import Array
-from mpmverify.solution import ADVICE
 
 
 class SeriesId(NamedTuple):
@@ -134,8 +133,8 @@ class Evidence:
         """How the incomplete runs failed, with each outcome and each piece of advice once; "" if every run completed."""
         levels: dict[tuple[str, str], list[int]] = {}
         for k, outcome in enumerate(self.outcomes):
-            advice = next((known for known in ADVICE.values() if known and outcome.endswith(f"; {known}")), "")
-            levels.setdefault((advice, outcome.removesuffix(f"; {advice}")), []).append(k)
+            ended, _, advice = outcome.rpartition("; ")
+            levels.setdefault((advice, ended) if ended else ("", outcome), []).append(k)
         sentences: dict[str, list[str]] = {}
         for (advice, outcome), members in levels.items():
             if outcome != "completed":

@@ -21,7 +21,7 @@ from mpmverify.problem import (
     place_particles,
     require,
 )
-from mpmverify.solution import Outcome, Solution, Status, Work
+from mpmverify.solution import Solution, Work
 
 from ..tracing import start_threads
 from . import formal_orders, loop, passes
@@ -29,8 +29,9 @@ from .acceptance import check
 from .affine import AFFINE
 from .basis import BASES, Axis, Basis, basis_axis, grid_of
 from .constitution import LAWS, LINEAR_ELASTIC, constitution
+from .endings import End, outcome
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
-from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSTABLE, Outputs, by_component, no_histories
+from .histories import COMPLETED, Outputs, by_component, no_histories
 from .order import Strips, strips
 from .reconstruction import cells_of
 from .start import particles_at_start
@@ -41,13 +42,6 @@ SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
 FORMULATIONS = {"updated": "ul", "total": "tl"}
 BODY_FORCES = ("particles", "nodes")
 
-STATUSES = {
-    COMPLETED: Status.COMPLETED,
-    UNSTABLE: Status.UNSTABLE,
-    NON_FINITE: Status.NON_FINITE,
-    LEFT_GRID: Status.LEFT_GRID,
-    INVERTED: Status.NON_FINITE,
-}
 BLOCK = 4_000_000
 """Largest number of body-force values held at once: 32 MB."""
 MANY = 50_000
@@ -228,10 +222,7 @@ class MaterialPoint:
             code, done, kept = march(*state, *record, body, done, end, kept)
         seconds = time.perf_counter() - started
 
-        causes = {INVERTED: "; a particle's deformation gradient reached zero"}
-        if self.basis == "cpdi":
-            causes[LEFT_GRID] = "; a domain reaches further than a cell from its particle, or a particle left the grid"
-        detail = "" if code == COMPLETED else f"at step {done} of {steps}{causes.get(code, '')}"
+        ended = End(code, done, steps, dt, reference[particles.place], particles.position, state[3])
         taken = min(done, steps)
         return Solution(
             time=times[step[:kept]],
@@ -246,7 +237,7 @@ class MaterialPoint:
             },
             histories={"time": times[histories.step[histories.step < done]], **by_component(histories, done)},
             work=Work(taken, taken * count, seconds),
-            outcome=Outcome(STATUSES[code], detail),
+            outcome=outcome(ended, problem, discretisation, self.basis),
         )
 
     def _scheme(self, problem: Problem) -> Scheme:
