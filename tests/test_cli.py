@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -385,7 +386,7 @@ def test_gate_changes_nothing_and_writes_its_summaries(out, tmp_path):
     assert suites.find(".//failure") is None
     text = summary.read_text()
     assert text.startswith("# Of the job\n## mpmverify: INCONCLUSIVE")
-    assert "| scripted | 2 | 1 | 0 | 0 |" in text
+    assert "| scripted | 2 | 0 | 1 | 0 | 0 |" in text
     call(*where, "--summary", summary)
     assert summary.read_text().count("## mpmverify") == 2, "the summary is appended"
     assert call(*where, GITHUB_STEP_SUMMARY="").exit_code == 0
@@ -502,24 +503,25 @@ def test_text_of_a_solver_is_not_interpreted_as_markup(capsys):
 def lines_of_table(text):
     """Lines of the table of studies, split into cells, by their first cell."""
     table = text[text.index("study ") :].splitlines()
-    return {cells[0]: cells[1:] for cells in map(str.split, table[: 1 + len(STUDIES)])}
+    return {first: cells for first, *cells in (re.split(r"\s\s+", line) for line in table[: 1 + len(STUDIES)])}
 
 
 def test_a_study_is_a_line_of_counts_and_seconds(tmp_path):
     where = ("--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
     result = call("run", *where)
     table = lines_of_table(result.output)
-    assert table["study"] == ["PASS", "INCONCLUSIVE", "FAIL", "ERROR", "seconds"]
+    assert table["study"] == ["PASS", "known limit", "INCONCLUSIVE", "FAIL", "ERROR", "seconds"]
     stored = json.loads((tmp_path / "r" / "verdicts.json").read_text())["studies"]
     for name in STUDIES:
-        verdicts = [finding["verdict"] for finding in stored[name]["findings"]]
-        assert table[name][:4] == [str(verdicts.count(verdict)) for verdict in Verdict]
-        assert float(table[name][4]) >= 0, "the next test has its value"
+        found = stored[name]["findings"]
+        verdicts = [f["limit"] if f["limit"] and f["verdict"] == "PASS" else f["verdict"] for f in found]
+        assert table[name][:5] == [str(verdicts.count(column)) for column in table["study"][:5]]
+        assert float(table[name][5]) >= 0, "the next test has its value"
         assert sum(line.startswith(f"{name} ") for line in result.output.splitlines()) == 1
     widths = {len(line) for line in result.output.splitlines()[: 1 + len(STUDIES)]}
     assert len(widths) == 1, "the lines are aligned"
     judged = lines_of_table(call("gate", *where).output)
-    assert judged == {name: cells[:4] for name, cells in table.items()}, "the gate says the same, without seconds"
+    assert judged == {name: cells[:5] for name, cells in table.items()}, "the gate says the same, without seconds"
 
 
 def test_a_line_is_printed_before_the_next_study_is_judged(tmp_path, monkeypatch, capsys):
@@ -537,8 +539,8 @@ def test_a_line_is_printed_before_the_next_study_is_judged(tmp_path, monkeypatch
         cli.cli(["run", "scripted", "--out", str(tmp_path)], standalone_mode=True)
     none, first, second = printed
     assert none == ""
-    assert [line.split() for line in first.splitlines()][1] == ["one", "0", "0", "0", "0", "1.2"]
-    assert [line.split() for line in second.splitlines()] == [["another", "0", "0", "0", "0", "0.5"]]
+    assert [line.split() for line in first.splitlines()][1] == ["one", *"00000", "1.2"]
+    assert [line.split() for line in second.splitlines()] == [["another", *"00000", "0.5"]]
 
 
 def test_on_a_terminal_lines_stand_above_the_bars_and_once():

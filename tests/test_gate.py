@@ -27,6 +27,7 @@ from mpmverify.criteria import (
     Order,
     PhaseError,
     Published,
+    Reproduced,
     Separated,
     Size,
     StabilityLimit,
@@ -48,6 +49,8 @@ H = 0.5 ** np.arange(3.0, 8.0)
 PASS, INCONCLUSIVE, FAIL, ERROR = Verdict.PASS, Verdict.INCONCLUSIVE, Verdict.FAIL, Verdict.ERROR
 STALL = Stall("u", "L2", 0.5, 0.05, 20.0, "theory")
 ORDER = Order("u", "L2", 1.8, 2.2, "theory")
+PATCH = Reproduced("stress", 7.0, 1e-12, "theory")
+OFF = Reproduced("stress", 7.0, 0.4, "theory", low=0.2, inside=0.5)
 PUBLISHED = Published("u", "L2", tuple((float(h), float(f"{3 * h**2:.2e}")) for h in H), 3, "paper")
 DISPERSION = Dispersion("tg-lumped", "u", 2.0, 1e-10, "theory")
 PHASE = PhaseError("u", 2, 0.2, "theory", "tg-consistent-3", 72.0)  # at nu_C = 1/2 the wave is ahead by theta^2/24
@@ -272,6 +275,14 @@ EXAMPLES = [
     (FRONT, measured(front_lag_u=[2, 2, 2, 2, np.nan], theoretical_front_lag_u=2 * ONES), ERROR),
     (FRONT, measured(front_lag_u=ONES), ERROR),
     (FRONT, measured(), ERROR),
+    (PATCH, measured(stress_deviation=1e-13 * ONES), PASS),
+    (PATCH, measured(stress_deviation=[1e-13, 0, 0, 0, 2e-12]), FAIL),
+    (PATCH, measured(stress_deviation=[1e-13, 0, 0, 0, np.nan]), ERROR),
+    (PATCH, measured(stress_deviation=[1e-13, 0, 0, 0, -np.inf]), ERROR),
+    (PATCH, measured(), ERROR),
+    (OFF, measured(**{"stress_deviation_0.5_inside": 0.3 * ONES}), PASS),
+    (OFF, measured(**{"stress_deviation_0.5_inside": [0.3, 0.3, 0.3, 0.3, 0.1]}), FAIL),
+    (OFF, measured(**{"stress_deviation_0.5_inside": [0.3, 0.3, 0.3, 0.3, 0.5]}), FAIL),
 ]
 
 

@@ -232,14 +232,14 @@ def test_the_summary_counts_the_verdicts_of_each_study():
         finding(Verdict.PASS),
         finding(Verdict.FAIL),
         finding(Verdict.ERROR, study="advection"),
-        finding(Verdict.PASS, solver="fem"),
+        finding(Verdict.PASS, solver="fem", limit="known limit"),
     ]
     assert by_study(several) == {"bar": [several[0], several[1], several[3]], "advection": [several[2]]}
     assert tables(markdown(several))[-1] == [
-        ["study", "PASS", "INCONCLUSIVE", "FAIL", "ERROR"],
-        ["---"] * 5,
-        ["bar", "2", "0", "1", "0"],
-        ["advection", "0", "0", "0", "1"],
+        ["study", "PASS", "known limit", "INCONCLUSIVE", "FAIL", "ERROR"],
+        ["---"] * 6,
+        ["bar", "1", "1", "0", "1", "0"],
+        ["advection", "0", "0", "0", "0", "1"],
     ]
 
 

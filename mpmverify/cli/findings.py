@@ -9,7 +9,7 @@ from rich.text import Text
 from mpmverify.cli.console import STYLES
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.judgement.findings import Finding
-from mpmverify.judgement.summary import counts, ranked, tally
+from mpmverify.judgement.summary import KNOWN_LIMIT, counts, ranked, tally
 
 LISTED = 20
 """Findings listed below the table unless all are asked for."""
@@ -39,7 +39,7 @@ class StudyTable:
             self._print("study", [Text(name) for name in self._columns], "bold")
             self._begun = True
         counted = tally(findings).items()
-        cells = [Text(str(count), STYLES.get(column, STYLES[Verdict.PASS]) if count else "dim") for column, count in counted]
+        cells = [Text(str(count), _style(column) if count else "dim") for column, count in counted]
         self._print(study, cells + ([] if seconds is None else [Text(f"{seconds:.1f}")]))
 
     def _print(self, study: str, cells: Sequence[Text], style: str = "") -> None:
@@ -47,6 +47,10 @@ class StudyTable:
         for name, cell in zip(self._columns, cells, strict=True):
             line += Text(" " * (2 + max(len(name), 5) - len(cell))) + cell
         self._output.print(line, soft_wrap=True)
+
+
+def _style(column: str) -> str:
+    return STYLES[Verdict.PASS if column == KNOWN_LIMIT else Verdict(column)]
 
 
 def show(output: Console, findings: Sequence[Finding], *, explain: bool = False) -> None:
