@@ -143,7 +143,7 @@ STUDY = Study(
                 _series(LINEAR, HAT, 8, 16, 32, 64, 128),
                 _series(AFFINE, APIC_SPLINE, 8, 16, 32, 64, 128),
                 _series(UPDATED, STALLED_SQUARE, 8, 16, 32, 64),
-                _series(Textbook(formulation="total"), HAT, 8, 10, 12, 16, 24),
+                _series(Textbook(formulation="total"), HAT, 12, 16, 20, 24, 32),
             ),
             shown="displacement",
             ladder=_series(LINEAR, STALLED_SQUARE, 16, 24, 32, 48).refinement,

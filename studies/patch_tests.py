@@ -174,7 +174,7 @@ def _clamped_case() -> Case:
 
 def _rotation_case(dimension: int) -> Case:
     problem = rotation(dimension)
-    cells = (16, 24, 32, 48, 64) if dimension == 2 else (8, 12, 16, 24, 32)
+    cells = (16, 24, 32, 48, 64) if dimension == 2 else (12, 16, 20, 24, 32)
     displacement = Order("displacement", "L2-max", 1.8, 2.25, ROTATION_SOURCE)
     stress = Order("stress", "L2-max", 1.0, 2.0, ROTATION_SOURCE)
     series = []
