@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 
-from mpmverify.criteria import Order, Reproduced
+from mpmverify.criteria import Order, Reproduced, Size
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
@@ -79,6 +79,8 @@ def _is_quick(solver: MaterialPoint, dimension: int) -> bool:
     every_schedule = solver.basis == "linear" and solver.formulation == "updated" and solver.transfer == FLIP
     transfers: tuple[Transfer, ...] = (FLIP, APIC, PIC) if solver.formulation == "updated" else (FLIP, APIC)
     some = solver.schedule == "MUSL" and solver.transfer in transfers
+    if solver.basis == "cubic":  # of which the other studies have this one
+        return solver == MaterialPoint("USL", FLIP, "cubic")
     return (every_schedule or some) and (solver.basis, solver.transfer.affine) in QUICK[dimension]
 
 
@@ -168,7 +170,7 @@ def _clamped_case() -> Case:
     scale = problem.problem.material.wave_speed**2 * problem.problem.end_time
     for (basis, share), schedule in product(CLAMPED.items(), ("USL", "MUSL")):
         deviation = Reproduced("stress", scale, share + 0.01, CLAMPED_SOURCE, low=share - 0.01)
-        series.append(_series(MaterialPoint(schedule, FLIP, basis, "total"), (deviation,), True))
+        series.append(_series(MaterialPoint(schedule, FLIP, basis, "total"), (deviation,), basis == "quadratic"))
     return Case("clamped ends, 1D", problem, tuple(series), shown="stress")
 
 
@@ -176,7 +178,16 @@ def _rotation_case(dimension: int) -> Case:
     problem = rotation(dimension)
     cells = (16, 24, 32, 48, 64) if dimension == 2 else (12, 16, 20, 24, 32)
     displacement = Order("displacement", "L2-max", 1.8, 2.25, ROTATION_SOURCE)
-    stress = Order("stress", "L2-max", 1.0, 2.0, ROTATION_SOURCE)
+    stress = Order("stress", "L2-max", 0.9, 2.1, ROTATION_SOURCE)
+    slow, fast = (Order("velocity", "L2-max", *band, ROTATION_SOURCE) for band in ((1.2, 1.75), (1.7, 2.2)))
+    size = Size(
+        "displacement",
+        "L2-max",
+        0.0185,
+        0.0227,
+        "own measurement, to a tenth: a time that runs 1 % too fast hides in the order",
+        1 / 24,
+    )
     series = []
     for solver, quick in (
         (MaterialPoint("MUSL", formulation="total"), True),
@@ -185,8 +196,9 @@ def _rotation_case(dimension: int) -> Case:
         (MaterialPoint("USL", TPIC, "quadratic"), False),
     ):
         levels = tuple(Discretisation(1 / count, 0.3, 2) for count in cells)
-        orders = (displacement, stress) if solver.transfer.affine else (displacement,)
-        criteria: tuple[Criterion, ...] = (*orders, v.MOMENTUM, v.MASS)
+        orders = (displacement, fast, stress) if solver.transfer.affine else (displacement, slow)
+        sizes = (size,) if dimension == 3 and solver.transfer == FLIP else ()
+        criteria: tuple[Criterion, ...] = (*orders, *sizes, v.MOMENTUM, v.MASS)
         series.append(Series(solver, Refinement("nu_C=0.3, 2 ppc", levels, 4 * quick), criteria))
     return Case(f"rotation, {dimension}D", problem, tuple(series), shown="displacement")
 

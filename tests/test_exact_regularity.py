@@ -74,13 +74,18 @@ def declared():
                 # The displacement is an integral and has one derivative more.
                 derivatives = case.problem.exact.derivatives + (getattr(criterion, "quantity", "") == "displacement")
                 if isinstance(criterion, Order) and math.isfinite(derivatives):
-                    formal = series.solver.orders[criterion.quantity]
+                    orders = series.solver.orders
                     yield pytest.param(
-                        criterion, formal, derivatives, id=f"{name}-{case.name}-{series.solver.name}-{criterion.quantity}"
+                        criterion, orders, derivatives, id=f"{name}-{case.name}-{series.solver.name}-{criterion.quantity}"
                     )
 
 
-@pytest.mark.parametrize(("criterion", "formal", "derivatives"), list(declared()))
-def test_the_bands_of_the_studies_contain_the_order_that_regularity_allows(criterion, formal, derivatives):
-    """Tests the bands of all solutions that are not smooth, with the formal order that the solver declares."""
-    assert criterion.low <= expected_order(formal, derivatives, criterion.norm) <= criterion.high
+@pytest.mark.parametrize(("criterion", "orders", "derivatives"), list(declared()))
+def test_the_bands_of_the_studies_contain_the_order_that_regularity_allows(criterion, orders, derivatives):
+    """Tests the bands of all solutions that are not smooth, with the formal orders that the solver declares.
+
+    The front is smeared at the order of the scheme, which is the highest of its orders. A field of a lower one, as the stress of linear
+    functions, is sampled with an error of that order besides.
+    """
+    smeared = expected_order(max(orders.values()), derivatives, criterion.norm)
+    assert criterion.low <= min(smeared, orders[criterion.quantity]) <= criterion.high

@@ -13,9 +13,8 @@ from mpmverify.criteria import ExactTotal
 from mpmverify.criteria.criterion import Setting
 from mpmverify.errors import UsageError
 from mpmverify.execution.verify import verify
-from mpmverify.problem import Block, Bodies, Constant, Fixed, Traction, Velocity
+from mpmverify.problem import Block, Bodies, Constant, Fixed, Traction, Velocity, place_particles
 from mpmverify.solvers.mpm import MaterialPoint
-from mpmverify.solvers.mpm.layout import place_particles
 from mpmverify.solvers.mpm.solver import MANY
 from mpmverify.study import Refinement
 

@@ -236,6 +236,11 @@ class Reproduced:
         return f"{self.quantity} {amount} of {self.scale:g} {UNITS[self.quantity]}{where}"
 
     @property
+    def marker(self) -> str:
+        """What a PASS on an expected deviation is marked with."""
+        return OnLimits.marker if self.low else ""
+
+    @property
     def _metric(self) -> str:
         return f"{self.quantity}_deviation{f'_{self.inside:g}_inside' if self.inside else ''}"
 

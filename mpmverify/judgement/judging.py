@@ -7,7 +7,7 @@ from functools import cached_property
 from mpmverify.convergence import Convergence
 from mpmverify.convergence.sources import Separation
 from mpmverify.criteria import Separated
-from mpmverify.criteria.criterion import Criterion, OnLimits
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import Evidence, SeriesId
 from mpmverify.criteria.norms import NORMS
 from mpmverify.errors import ResultsError
@@ -106,7 +106,7 @@ def _findings(
             *(study, case, solver, refinement, "verification", criterion.title),
             *judge_criterion(criterion, seen),
             criterion.source,
-            criterion.marker if isinstance(criterion, OnLimits) else "",
+            getattr(criterion, "marker", ""),
         )
         for criterion in criteria
     ]

@@ -46,6 +46,10 @@ Progress = Callable[[str, int, int], None]
 Row = TypeVar("Row", PlantedFault, UnmodifiedRun)
 
 
+PATIENT = 600.0
+"""Limit on the processor time of a trial of the unmodified solvers, which is traced line by line [s]."""
+
+
 @dataclass(frozen=True)
 class Session:
     """One self-test.
@@ -176,7 +180,7 @@ class Session:
         tasks = [(family, k, study, self.sources, scratch) for family, of in trials.items() for k, study in enumerate(of)]
         found = {
             (family, k): lines
-            for (family, k, *_), lines in each_alone(_lines_run, tasks, self.jobs, self.timeout, _without_lines, imports)
+            for (family, k, *_), lines in each_alone(_lines_run, tasks, self.jobs, PATIENT, _without_lines, imports)
         }
         return {family: tuple(found[family, k] for k in range(len(of))) for family, of in trials.items()}
 
