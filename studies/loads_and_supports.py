@@ -41,9 +41,10 @@ FRONTS = _at_front("displacement"), _at_front("velocity")
 SECOND = tuple(Order(quantity, "L2-max", 1.8, 2.2, ROWS_SOURCE) for quantity in ("displacement", "velocity"))
 STARTED = SECOND[0], *(Order(quantity, "L2-max", 1.35, 2.15, v.START_SOURCE) for quantity in ("velocity", "stress"))
 STRESS = Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE)
-SIZE = Size(
-    "stress", "L2", 0.0135, 0.0167, "own measurement, to a tenth, on levels too coarse for the order of the stress", 1 / 48
-)
+SIZE_SOURCE = "own measurement, to a tenth, on levels too coarse for the order at the front"
+SIZE = Size("stress", "L2", 0.0135, 0.0167, SIZE_SOURCE, BOX / 48)
+SPEED = Size("velocity", "L2", 0.0081, 0.01, SIZE_SOURCE, BOX / PLANE[4])
+
 
 STUDY = Study(
     name="loads-and-supports",
@@ -59,7 +60,16 @@ STUDY = Study(
             (
                 _series(MaterialPoint("USL"), BOX, PLANE, 5, 0.4, 2, MOMENTUM, *FRONTS, _at_front("stress")),
                 _series(
-                    MaterialPoint("MUSL", formulation="total"), BOX, PLANE, 5, 0.4, 2, MOMENTUM, FRONTS[0], _at_front("stress")
+                    MaterialPoint("MUSL", formulation="total"),
+                    BOX,
+                    PLANE,
+                    5,
+                    0.4,
+                    2,
+                    MOMENTUM,
+                    FRONTS[0],
+                    SPEED,
+                    _at_front("stress"),
                 ),
                 _series(MaterialPoint("USL", APIC, "quadratic"), BOX, PLANE, 5, 0.4, 2, MOMENTUM, *FRONTS, _at_front("stress")),
             ),

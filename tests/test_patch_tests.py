@@ -1,16 +1,21 @@
 """The study of patch tests: its motions are solutions, its declared deviations follow from the basis, and all variants are in it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.interpolate import BSpline
 
 from mpmverify import studies
+from mpmverify.criteria import Balance, Reproduced
+from mpmverify.criteria.criterion import Setting
 from mpmverify.errors import UsageError
 from mpmverify.exact.homogeneous import rotation, shear, stretch
 from mpmverify.exact.rigid_motion import CELL, CLEAR, ON_EDGES, flight, parting
 from mpmverify.exact.solution import VerificationProblem
 from mpmverify.problem import Discretisation, LinearElastic, place_particles
+from mpmverify.solution import Solution, Work
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.solvers.mpm.basis import BASES
 
@@ -105,3 +110,51 @@ def test_particles_begin_beside_and_come_to_lie_on_cell_edges():
     from_edge = np.abs(at / CELL - np.round(at / CELL)).min(axis=(0, 2))
     assert (from_edge == 0).sum() >= 4
     assert ((from_edge > 0) & (from_edge < 1e-11)).sum() >= 8
+
+
+def exact_solution(problem):
+    """The closed form as a solution at three times, with the histories of its momentum."""
+    X, V = place_particles(problem.problem, Discretisation(CELL, 0.5, 2))
+    time = np.linspace(0, problem.problem.end_time, 3)
+    fields = {name: problem.exact.fields[name](X, time) for name in ("displacement", "velocity", "stress")}
+    momentum = np.einsum("p,tpi->ti", V, fields["velocity"])
+    histories = {"time": time, "mass": np.full(3, V.sum())}
+    for k, axis in enumerate("xyz"[: X.shape[1]]):
+        histories |= {f"momentum_{axis}": momentum[:, k], f"impulse_{axis}": momentum[:, k] - momentum[0, k]}
+    return Solution(time, time[1], X, X + fields["displacement"], np.tile(V, (3, 1)), fields, histories, Work())
+
+
+def test_a_deviation_at_any_time_and_place_counts():
+    problem = flight(2)
+    setting, right = Setting(problem, Discretisation(CELL, 0.5, 2)), exact_solution(problem)
+    for quantity in right.fields:
+        criterion = Reproduced(quantity, 2.0, 1e-12, "")
+        assert criterion.measure(right, setting) == {f"{quantity}_deviation": 0.0}
+        for at in ((1, 5, 0), (1, 0, -1), (2, -1, 0), (0, 3, 1)):
+            changed = right.fields[quantity].copy()
+            changed[at] += 0.5
+            wrong = dataclasses.replace(right, fields={**right.fields, quantity: changed})
+            assert criterion.measure(wrong, setting)[f"{quantity}_deviation"] == pytest.approx(0.25)
+
+
+def test_only_what_is_inside_is_compared():
+    problem = shear(2)
+    setting, right = Setting(problem, Discretisation(CELL, 0.5, 2)), exact_solution(problem)
+    outside = (right.reference[:, 0] < 5 * CELL) | (right.reference[:, 1] > 25 * CELL)
+    stress = right.fields["stress"] + np.where(outside, 1.0, 0.0)[None, :, None]
+    wrong = dataclasses.replace(right, fields={**right.fields, "stress": stress})
+    assert Reproduced("stress", 1.0, 1e-12, "", inside=5 * CELL).measure(wrong, setting) == {
+        "stress_deviation_0.3125_inside": 0.0
+    }
+    assert Reproduced("stress", 1.0, 1e-12, "").measure(wrong, setting) == {"stress_deviation": 1.0}
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_a_momentum_balances_along_every_axis(axis):
+    problem = flight(3, gravity=8.0)
+    setting, right = Setting(problem, Discretisation(CELL, 0.5, 2)), exact_solution(problem)
+    balance = Balance("momentum", "impulse", "")
+    assert balance.measure(right, setting)["momentum_defect"] < 1e-15
+    lost = right.histories[f"momentum_{axis}"] - np.array([0.0, 1e-3, 0.0])
+    wrong = dataclasses.replace(right, histories={**right.histories, f"momentum_{axis}": lost})
+    assert balance.measure(wrong, setting)["momentum_defect"] > 1e-4

@@ -128,13 +128,20 @@ def criterion_sets() -> Iterator[CriterionSet]:
                 yield CriterionSet(name, case, series, right[0] if limited(series.criteria) else series.solver)
 
 
+def same(changed: Solution, right: Solution) -> bool:
+    """Whether a change is none, as of a body at rest that is constant in time."""
+    return all(np.allclose(changed.fields[name], values, rtol=1e-9, atol=1e-13) for name, values in right.fields.items())
+
+
 @pytest.mark.parametrize("declared", list(criterion_sets()), ids=str)
 def test_every_set_of_criteria_fails_useless_solvers_and_those_that_are_wrong_by_a_factor(declared: CriterionSet) -> None:
     solutions = declared.solved()
     passed = {}
     for name, change in CHANGES.items():
         changed = tuple((task, change(solution, declared.case.problem.exact)) for task, solution in solutions)
-        if all(solution is not None for _, solution in changed):
+        if all(
+            solution is not None and not same(solution, s) for (_, solution), (_, s) in zip(changed, solutions, strict=True)
+        ):
             found = declared.verdicts(changed)
             if not any(entry.startswith(Verdict.FAIL) for entry in found):
                 passed[name] = found
