@@ -24,9 +24,9 @@ class Status(StrEnum):
 
 ADVICE: Mapping[Status, str] = {
     Status.COMPLETED: "",
-    Status.UNSTABLE: "the kinetic energy grew without bound: lower the Courant number",
+    Status.UNSTABLE: "the solution grew without bound: lower the Courant number",
     Status.NON_FINITE: "a field became NaN or infinite: lower the Courant number, or look for a division by a zero mass or volume",
-    Status.LEFT_GRID: "a particle left the background grid: enlarge the domain or lower the load",
+    Status.LEFT_GRID: "a particle left the background grid: enlarge the domain or lower the load, unless a face or an unstable run drives it out",
     Status.TIMED_OUT: "the run exceeded its time limit: raise the limit or coarsen the level",
     Status.CRASHED: "the solver raised an exception, returned no valid solution or its process died: run it alone",
 }
@@ -41,17 +41,20 @@ class Outcome:
     status : Status
     detail : str
         What happened in this run, for example the step or the exception.
+    advice : str
+        What helps in this run, where the solver knows the cause; by default that of the status, see `ADVICE`.
     """
 
     status: Status = Status.COMPLETED
     detail: str = ""
+    advice: str = ""
 
     @property
     def completed(self) -> bool:
         return self.status is Status.COMPLETED
 
     def __str__(self) -> str:
-        parts = [self.status.value, self.detail, ADVICE[self.status]]
+        parts = [self.status.value, self.detail, self.advice or ADVICE[self.status]]
         return "; ".join(part for part in parts if part)
 
 
@@ -172,6 +175,9 @@ class Solver(Protocol):
     -----
     A solver that compiles code may have a method `kernel(problem)`. It returns a hashable value that is equal for two problems exactly
     when the compiled code is the same, so that no two worker processes compile the same code at the same time.
+
+    A solver whose error has another order on coarse levels, until the term of the formal order dominates, may have an attribute
+    `coarse_orders`: that order by quantity. What it declares then holds when the measured order lies between the two.
     """
 
     @property

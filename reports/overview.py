@@ -119,7 +119,7 @@ def judgements(
         table.setdefault(replace(finding, criterion="", source=""), []).append(finding)
     return tuple(
         Judgement(
-            mark=Mark(shared.verdict.value.lower(), shared.verdict.value),
+            mark=Mark(shared.verdict.value.lower(), shared.word),
             study=shared.study,
             case=shared.case,
             solver=shared.solver,

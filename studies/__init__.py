@@ -19,9 +19,13 @@ NAMES = (
     "driven-bar",
     "dispersion",
     "error-sources",
+    "patch-tests",
     "large-deformation",
     "expanding-ring",
     "generalised-vortex",
+    "plane-waves",
+    "loads-and-supports",
+    "moving-bodies",
     "mpm-stability",
 )
 BASELINE = Path(__file__).with_name("baseline.json")

@@ -13,6 +13,7 @@ from mpmverify.study import Case, Series, Study, halving
 from . import variants as v
 
 LENGTH = 1.6
+STRANGERS = halving(LENGTH, 16, quick=5, full=6, courant=0.25, ppc=2)
 TG_SOURCE = "second order on smooth data: Donea (1984), doi:10.1002/nme.1620200108"
 SOLVERS: tuple[Solver, ...] = (*v.TAYLOR_GALERKIN, *v.MPM_FLIP, *v.FEM_P1, *v.FEM_P2)
 
@@ -35,7 +36,7 @@ def _criteria(solver: Solver) -> tuple[Criterion, ...]:
     if isinstance(solver, FiniteElement):
         p = solver.degree
         return (
-            Order("displacement", "L2-max", p + 0.85, p + 1.15, v.FEM_SOURCE),
+            *v.orders("L2-max", p + 0.85, p + 1.15, v.FEM_SOURCE, "displacement", "velocity"),
             Order("stress", "L2-max", p - 0.1, p + 0.15, v.FEM_SOURCE),
             EnergyDrift(
                 1.8, "Newmark's family keeps the energy less the work of loads and ends up to O(dt^2): Hughes (1987), chapter 9"
@@ -45,6 +46,7 @@ def _criteria(solver: Solver) -> tuple[Criterion, ...]:
     low, high = (0.9, 1.1) if solver.basis == "linear" else (1.4, 2.15)
     return (
         Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE),
+        Order("velocity", "L2-max", 1.4, 2.15, v.END_SOURCE if solver.basis == "linear" else v.SPLINE_SOURCE),
         Order("stress", "L2-max", low, high, v.STRESS_SOURCE if solver.basis == "linear" else v.SPLINE_SOURCE),
         EnergyDrift(1.8, v.ENERGY_SOURCE),
     )
@@ -63,6 +65,7 @@ STUDY = Study(
                 driven_bar(loaded),
                 tuple(Series(s, v.ladder(s, LENGTH), (*_criteria(s), v.MOMENTUM, v.MASS, v.sums(s))) for s in SOLVERS),
                 shown="displacement",
+                ladder=STRANGERS,
             )
             for name, loaded in (("loaded-right", "x+"), ("loaded-left", "x-"))
         ),
@@ -71,6 +74,7 @@ STUDY = Study(
             driven_bar(start=0.6),
             tuple(Series(s, v.ladder(s, LENGTH), (*_criteria(s), v.MOMENTUM, v.MASS, v.sums(s))) for s in ACCELERATED),
             shown="displacement",
+            ladder=STRANGERS,
         ),
         Case(
             "open-left",

@@ -1,6 +1,6 @@
 """A bar loaded at one end by a step, a ramp and a smooth pulse, against d'Alembert's solution."""
 
-from mpmverify.criteria import FrontPosition, Order, PhaseError
+from mpmverify.criteria import FrontPosition, Order, PhaseError, Size
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic_bar
 from mpmverify.exact.regularity import expected_order
@@ -39,6 +39,15 @@ RAMP_SOURCE = (
     f"order {expected_order(2, RAMP.derivatives, 'L1'):.3g} in L1 for a kink, s p/(p + 1) with s = {RAMP.derivatives:g} derivatives; "
     f"approached from below; {HEDSTROM}"
 )
+INTEGRAL_SOURCE = (
+    f"the displacement is an integral and has one derivative more: order {expected_order(2, STEP.derivatives + 1, 'L1'):.3g} in L1 after the "
+    f"step and {expected_order(2, RAMP.derivatives + 1, 'L1'):.3g} after the ramp, s p/(p + 1); {HEDSTROM}"
+)
+FLOOR_SOURCE = (
+    f"own measurement on 1024 cells, above the error of an updated Lagrangian code in a linear problem, 4e-7 here, at which it stops on finer "
+    f"ones: {v.GEOMETRIC_SOURCE}; until then of second order. The clamped quadratic spline has 5e-7 on 4096 cells in the total Lagrangian "
+    "formulation too, where second order gives 3e-7; of unknown cause"
+)
 SMOOTH_SOURCE = "second order on smooth data; the pulse spans seven cells on the coarsest level"
 FIRST_ORDER = (
     f"first-order schemes reach order {expected_order(1, STEP.derivatives, 'L1'):g} in L1 at a jump and "
@@ -68,9 +77,16 @@ def _is_pic(solver: Solver) -> bool:
     return isinstance(solver, MaterialPoint) and solver.transfer.flip == 0
 
 
+def _is_linear(solver: Solver) -> bool:
+    return solver in v.FEM_P1 or (isinstance(solver, MaterialPoint) and solver.basis == "linear")
+
+
 def _step(solver: Solver) -> tuple[Criterion, ...]:
     source = FIRST_ORDER if _is_pic(solver) else STEP_SOURCE
-    orders = (Order("stress", "L1", 0.35, 0.75, source), Order("velocity", "L1", 0.35, 0.75, source))
+    orders = v.orders("L1", 0.35, 0.75, source, "stress", "velocity")
+    if solver not in v.TAYLOR_GALERKIN:
+        low, high = (0.85, 1.1) if _is_pic(solver) else (1.1, 1.45)
+        orders += (Order("displacement", "L1", low, high, FIRST_ORDER if _is_pic(solver) else INTEGRAL_SOURCE),)
     if _is_pic(solver) or solver == QUADRATIC:
         return orders
     cells = 0.1 if solver in v.TAYLOR_GALERKIN else 1.0
@@ -79,8 +95,17 @@ def _step(solver: Solver) -> tuple[Criterion, ...]:
 
 def _ramp(solver: Solver) -> tuple[Criterion, ...]:
     if _is_pic(solver):
-        return (Order("velocity", "L1", 0.85, 1.1, FIRST_ORDER),)
-    return (Order("velocity", "L1", 1.1, 1.45, RAMP_SOURCE),)
+        return v.orders("L1", 0.85, 1.1, FIRST_ORDER, "displacement", "velocity", "stress")
+    velocity = Order("velocity", "L1", 1.1, 1.45, RAMP_SOURCE)
+    if _is_linear(solver):
+        stress = Order("stress", "L1", 0.95, 1.35, f"between 1, {v.STRESS_SOURCE}, and 4/3; {RAMP_SOURCE}")
+    else:
+        stress = Order("stress", "L1", 1.1, 1.45, RAMP_SOURCE)
+    if solver in v.TAYLOR_GALERKIN:
+        return velocity, stress
+    if isinstance(solver, MaterialPoint) and (solver.formulation == "updated" or solver.basis == "quadratic"):
+        return velocity, stress, Size("displacement", "L1", 1.5e-6, 8e-6, FLOOR_SOURCE, 1.0 / 1024)
+    return velocity, stress, Order("displacement", "L1", 1.85, 2.15, INTEGRAL_SOURCE)
 
 
 TRAVELLED = 2.5
@@ -101,10 +126,17 @@ def _lag(solver: Solver) -> tuple[Criterion, ...]:
 
 def _pulse(solver: Solver) -> tuple[Criterion, ...]:
     if _is_pic(solver):
-        return (Order("velocity", "L2", 0.5, 1.1, f"approached from below while the pulse decays; {v.PIC_SOURCE}"),)
-    other = "stress" if solver in v.TAYLOR_GALERKIN else "displacement"
-    orders = (Order(quantity, "L2", 1.75, 2.15, SMOOTH_SOURCE) for quantity in ("velocity", other))
-    return (*orders, *_lag(solver))
+        source = f"approached from below while the pulse decays; {v.PIC_SOURCE}"
+        return v.orders("L2", 0.5, 1.1, source, "displacement", "velocity", "stress")
+    if solver in v.TAYLOR_GALERKIN:
+        return (*v.orders("L2", 1.75, 2.15, SMOOTH_SOURCE, "velocity", "stress"), *_lag(solver))
+    fields = v.orders("L2", 1.75, 2.15, SMOOTH_SOURCE, "displacement", "velocity")
+    low, high, source = 1.75, 2.15, SMOOTH_SOURCE
+    if _is_linear(solver):
+        low, high, source = 0.9, 2.15, f"from second order on coarse levels to the first on fine ones; {v.STRESS_SOURCE}"
+    elif isinstance(solver, MaterialPoint):
+        low, source = 1.4, v.SPLINE_SOURCE
+    return (*fields, Order("stress", "L2", low, high, source), *_lag(solver))
 
 
 STUDY = Study(
@@ -121,6 +153,7 @@ STUDY = Study(
                 for solver in (*v.TAYLOR_GALERKIN, *MPM, *FEM)
             ),
             shown="stress",
+            ladder=halving(1.0, cells, quick=5, full=6, courant=0.25, ppc=2),
         )
         for load, cells, criteria in (
             (STEP, 64, _step),

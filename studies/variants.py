@@ -2,7 +2,7 @@
 
 from itertools import product
 
-from mpmverify.criteria import Balance, FieldSums
+from mpmverify.criteria import Balance, FieldSums, Order, Stall
 from mpmverify.solution import Solver
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import PIC, MaterialPoint, blend
@@ -53,6 +53,19 @@ MOMENTUM = Balance(
     "internal forces of a basis that is a partition of unity sum to zero; external forces add their impulse",
 )
 MASS = Balance("mass", "", "the mass of every particle, and the integral of the reference density, are constant")
+
+
+def orders(norm: str, low: float, high: float, source: str, *quantities: str) -> tuple[Order, ...]:
+    """Return the criterion of one band of orders on several quantities."""
+    return tuple(Order(quantity, norm, low, high, source) for quantity in quantities)
+
+
+def stalls(source: str, **sizes: tuple[float, float]) -> tuple[Stall, ...]:
+    """Return the criteria on fields that stall, each with the accepted sizes of its error at the two finest levels."""
+    return tuple(Stall(quantity, "L2-max", 0.5, low, high, f"{source}; {SIZES}") for quantity, (low, high) in sizes.items())
+
+
+SIZES = "size of the error by own measurement, within a factor of about 1.5"
 SUMS_SOURCE = "the quadrature of the scheme and the quadrature over the samples give the same values of these sums"
 
 
@@ -77,11 +90,21 @@ AFFINE_SOURCE = (
     "second order in space and, where dt follows h, a damping of second order: the affine velocity keeps what PIC smooths at first "
     "order; Jiang, Schroeder and Teran (2017), doi:10.1016/j.jcp.2017.02.050"
 )
+START_SOURCE = (
+    "between 3/2 and 2, own derivation: second order inside, but particles start without an affine velocity, which changes the nodal "
+    "velocity by O(h) over a length of O(h) at a surface or a held end, and hence velocity and stress by O(h^(3/2)) in L2; "
+    f"{AFFINE_SOURCE}"
+)
 STRESS_SOURCE = "first order of the gradient of a linear basis away from the middle of a cell; " + MPM_SOURCE
 SPLINE_SOURCE = (
     "between 3/2 and 2, own derivation: second order inside, but the lumped mass of the clamped quadratic spline is off its node by "
-    "O(h) in the two functions at each end, an error of O(h) in the stress over a length of O(h) and hence of O(h^(3/2)) in L2, which "
-    f"fine levels come to; {MPM_SOURCE}"
+    "O(h) in the two functions at each end, an error of O(h) in the stress, and in the velocity to which FLIP adds the acceleration, over "
+    f"a length of O(h) and hence of O(h^(3/2)) in L2, which fine levels come to; {MPM_SOURCE}"
+)
+END_SOURCE = (
+    "between 3/2 and 2, own derivation: second order inside, but the lumped mass of the hat at a moved or loaded end is off its node by "
+    "O(h), and FLIP adds an acceleration that is off by O(h) to the velocities in the end cell, O(h^(3/2)) in L2 where the acceleration "
+    f"has a slope there; {MPM_SOURCE}"
 )
 PIC_SOURCE = (
     "first order: every PIC transfer smooths the velocity over a distance of h, a diffusion of order h^2/dt ~ h; "

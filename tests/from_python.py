@@ -36,7 +36,7 @@ def of_the_first(values):
 def _along(grid, s):
     (first,), (offset,) = grid.kind.begins(grid, (s,), (1.0,))
     N, dN = splines.along(grid, 0, first, offset)
-    return first, N, dN, support.moment_along(grid, 0, first, s, N)
+    return first, N, dN, support.moment_along(grid, 0, first, offset, N)
 
 
 @njit(**ARITHMETIC)

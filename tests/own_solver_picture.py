@@ -8,12 +8,11 @@ from handbook import FOLDER, file
 from mpmverify import studies
 from mpmverify.criteria import Order
 from mpmverify.execution.verify import verify
-from mpmverify.problem import Discretisation
 from mpmverify.study import Refinement
 
 PICTURE = FOLDER / "own-solver.svg"
-LEVELS = tuple(Discretisation(3.0 / cells, 0.2, 2) for cells in (64, 80, 96))
-"""Those of the quick tier."""
+LEVELS = studies.get("generalised-vortex").cases[0].ladder.levels
+"""Those on which the case has a solver of any origin judged."""
 COLUMNS = (
     ("the solver below", "", ""),
     ("with PIC instead of FLIP", "v += N @ dv", "v = N @ (N.T @ (m * v) / M + dv)"),

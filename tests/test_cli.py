@@ -1,7 +1,9 @@
 """Command line: exit statuses, error messages of one sentence, and imports on demand."""
 
+import io
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -12,14 +14,17 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 from faulty_solvers import Scripted, study
+from rich.console import Console
 
 from mpmverify import cli, reports, studies
-from mpmverify.cli.findings import show
+from mpmverify.cli.console import console
+from mpmverify.cli.findings import StudyTable, show
 from mpmverify.cli.progress import Progress
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.dataset.study import read_tree
 from mpmverify.errors import ResultsError
 from mpmverify.execution import processes as pool
+from mpmverify.execution import runner
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.summary import STEP_SUMMARY
@@ -101,7 +106,7 @@ def test_exit_0_when_every_criterion_passes(tmp_path):
     assert "3 runs solved, 0 already at hand." in result.output
     assert f"Report: {tmp_path / 'r' / 'report' / 'index.html'}" in result.output.replace("\n", "")
     assert "1 INCONCLUSIVE, 2 PASS." in result.output
-    assert "scripted: 3 runs" in result.stderr
+    assert result.stderr == "", "the lines of the studies are the progress"
     again = call("run", "scripted", "--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
     assert "0 runs solved, 3 already at hand." in again.output
 
@@ -332,7 +337,7 @@ def test_list_names_every_study_case_and_solver():
     assert result.exit_code == 0
     for name, declared in STUDIES.items():
         assert f"{name}: {declared.title}" in result.output
-        for solver in declared.solver_names():
+        for solver in declared.solvers():
             assert solver in result.output
         for case in declared.cases:
             assert case.name in result.output
@@ -381,7 +386,7 @@ def test_gate_changes_nothing_and_writes_its_summaries(out, tmp_path):
     assert suites.find(".//failure") is None
     text = summary.read_text()
     assert text.startswith("# Of the job\n## mpmverify: INCONCLUSIVE")
-    assert "| scripted-good | INCONCLUSIVE |" in text
+    assert "| scripted | 2 | 0 | 1 | 0 | 0 |" in text
     call(*where, "--summary", summary)
     assert summary.read_text().count("## mpmverify") == 2, "the summary is appended"
     assert call(*where, GITHUB_STEP_SUMMARY="").exit_code == 0
@@ -486,16 +491,80 @@ def test_text_of_a_solver_is_not_interpreted_as_markup(capsys):
         "list['a'] [bold]x",
         "s",
     )
-    show([Finding(*words)])
+    output = console()
+    finding = Finding(*words)
+    StudyTable(output, [finding.study]).add(finding.study, [finding])
+    show(output, [finding])
     shown = capsys.readouterr().out
     for word in ("study[b]", "solver[red]", "criterion [/]", "list['a'] [bold]x"):
         assert word in shown
 
 
-def test_progress_without_a_terminal_is_plain_text(capsys):
-    with Progress() as progress:
-        for done in range(3):
-            progress.update("scripted", done + 1, 3)
+def lines_of_table(text):
+    """Lines of the table of studies, split into cells, by their first cell."""
+    table = text[text.index("study ") :].splitlines()
+    return {first: cells for first, *cells in (re.split(r"\s\s+", line) for line in table[: 1 + len(STUDIES)])}
+
+
+def test_a_study_is_a_line_of_counts_and_seconds(tmp_path):
+    where = ("--out", tmp_path / "r", "--baseline", tmp_path / "baseline.json")
+    result = call("run", *where)
+    table = lines_of_table(result.output)
+    assert table["study"] == ["PASS", "known limit", "INCONCLUSIVE", "FAIL", "ERROR", "seconds"]
+    stored = json.loads((tmp_path / "r" / "verdicts.json").read_text())["studies"]
+    for name in STUDIES:
+        found = stored[name]["findings"]
+        verdicts = [f["limit"] if f["limit"] and f["verdict"] == "PASS" else f["verdict"] for f in found]
+        assert table[name][:5] == [str(verdicts.count(column)) for column in table["study"][:5]]
+        assert float(table[name][5]) >= 0, "the next test has its value"
+        assert sum(line.startswith(f"{name} ") for line in result.output.splitlines()) == 1
+    widths = {len(line) for line in result.output.splitlines()[: 1 + len(STUDIES)]}
+    assert len(widths) == 1, "the lines are aligned"
+    judged = lines_of_table(call("gate", *where).output)
+    assert judged == {name: cells[:5] for name, cells in table.items()}, "the gate says the same, without seconds"
+
+
+def test_a_line_is_printed_before_the_next_study_is_judged(tmp_path, monkeypatch, capsys):
+    """Without a terminal, too."""
+    printed = []
+
+    def two_studies(chosen, plan, progress):
+        for name, seconds in (("one", 1.25), ("another", 0.5)):
+            printed.append(capsys.readouterr().out)
+            yield runner.StudyRun(name, (), 0, 0, seconds)
+        printed.append(capsys.readouterr().out)
+
+    monkeypatch.setattr(runner, "run", two_studies)
+    with pytest.raises(SystemExit):
+        cli.cli(["run", "scripted", "--out", str(tmp_path)], standalone_mode=True)
+    none, first, second = printed
+    assert none == ""
+    assert [line.split() for line in first.splitlines()][1] == ["one", *"00000", "1.2"]
+    assert [line.split() for line in second.splitlines()] == [["another", *"00000", "0.5"]]
+
+
+def test_on_a_terminal_lines_stand_above_the_bars_and_once():
+    terminal = Console(file=io.StringIO(), force_terminal=True, width=100, color_system=None)
+    table = StudyTable(terminal, ["one", "another"], timed=True)
+    with Progress(terminal) as progress:
+        progress.update("one", 1, 2)
+        progress.update("another", 1, 3)
+        progress.update("one", 2, 2)
+        table.add("one", [], 1.0)
+        progress.update("another", 3, 3)
+        table.add("another", [], 2.0)
+    written = terminal.file.getvalue()
+    assert written.count("seconds") == written.count("   1.0\n") == written.count("   2.0\n") == 1
+    below = written.partition("   1.0\n")[2]
+    assert "another" in below
+    assert "one" not in below, "the bar of a study that is judged is gone"
+
+
+def test_progress_without_a_terminal_is_plain_text_on_standard_error_alone(capsys):
+    for output in (Console(stderr=True), Console()):
+        with Progress(output) as progress:
+            for done in range(3):
+                progress.update("scripted", done + 1, 3)
     captured = capsys.readouterr()
     assert (captured.out, captured.err) == ("", "scripted: 3 runs\n")
 

@@ -84,7 +84,7 @@ def test_a_run_is_read_back_bit_for_bit(tmp_path, cells):
     made = transported(advection(Gaussian()).problem, Discretisation(h=1 / cells, courant=0.5), 0.01)
     made.fields["u"].ravel()[: len(EXTREME)] = EXTREME
     made = dataclasses.replace(
-        made, dt=1 / 3, work=Work(2**40, 2**50, 0.1 + 0.2), outcome=Outcome(Status.NON_FINITE, "at step 3, é")
+        made, dt=1 / 3, work=Work(2**40, 2**50, 0.1 + 0.2), outcome=Outcome(Status.NON_FINITE, "at step 3, é", "take ß")
     )
     write_run(tmp_path / "k.nc", "k", made, "title")
     back = read_run(tmp_path / "k.nc", "k")
@@ -351,7 +351,7 @@ def test_a_file_may_be_open_many_times(stored):
 
 def test_every_solver_is_a_group_with_errors_by_level(stored):
     with xr.open_datatree(stored[0] / "mixed.nc") as tree:
-        assert list(tree.children) == list(MIXED.solver_names())
+        assert list(tree.children) == list(MIXED.solvers())
         for _, dataset in solvers(tree):
             assert dataset["error"].dims == ("level", "quantity", "norm")
             assert {"h", "dt", "courant", "ppc", "case", "refinement"} <= set(dataset["error"].coords)
@@ -455,7 +455,7 @@ def test_a_restricted_run_states_its_restriction_and_the_missing_baseline_entrie
     list(run([whole], plan(tmp_path)))
     accept(known, [tmp_path / "whole.nc"], "the first")
     known.write()
-    kept, other = whole.solver_names()
+    kept, other = tuple(whole.solvers())
     (entry,) = run([whole.restricted((kept,))], plan(tmp_path / "part", baseline=known))
     path = tmp_path / "part" / "whole.nc"
     tree = read_tree(path)
@@ -515,7 +515,7 @@ def test_every_series_is_judged_by_its_criteria_and_the_baseline(stored):
 
 CRITERION_OF_EACH_KIND = (
     Order("u", "L2", 1.8, 2.2, 'a "source", é'),
-    Stall("u", "L1", 0.5, "s"),
+    Stall("u", "L1", 0.5, 0.01, 0.9, "s"),
     Exact("u", "L2-max", 1e-12, "s"),
     Published("u", "L2", ((1 / 8, 4.471e-3), (1 / 3, 0.1 + 0.2)), 3, "s"),
     Separated("u", "L2", (("h", 1.8, 2.2), ("h/ppc", 1 / 3, 0.1 + 0.2)), "s"),

@@ -17,7 +17,7 @@ from test_exact import difference
 from mpmverify.errors import UsageError
 from mpmverify.exact import ring, vortex
 from mpmverify.exact.axis_aligned import axis_aligned
-from mpmverify.exact.motion import cauchy_stress, volume_change
+from mpmverify.exact.finite_strain import cauchy_stress, volume_change
 from mpmverify.exact.ring import expanding_ring
 from mpmverify.exact.steffen import steffen
 from mpmverify.exact.vortex import generalised_vortex

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import mpmverify
+from mpmverify.criteria import StabilityLimit, Stall, Unstable
 from mpmverify.criteria import evidence as stored
 from mpmverify.criteria.criterion import Setting
 from mpmverify.exact import ExactSolution, VerificationProblem
@@ -157,6 +158,22 @@ def norms_are_means_over_the_body(n: ModuleType) -> None:
     same(n.norms(np.array([[[3.0, 4.0]]]), np.ones((1, 1))), 5)
 
 
+def errors_are_relative_to_the_exact_field_over_the_run(n: ModuleType) -> None:
+    """A solution three times too large is wrong by twice the exact field, which vanishes at the final time here."""
+
+    def exact(X: Any, t: Any) -> Any:
+        return np.cos(0.5 * np.pi * t)[:, None, None] * (1 + X[None])
+
+    sound = sampled()
+    wrong = replace(sound, fields={"u": 3 * exact(sound.reference, sound.time)})
+    error, size = n.errors(wrong, ExactSolution({"u": exact}, ""))["u"]
+    same(error[3] / size[3], 2)
+    start = replace(wrong, time=wrong.time[:1], weight=wrong.weight[:1], fields={"u": wrong.fields["u"][:1]})
+    error, size = n.errors(start, ExactSolution({"u": exact}, ""))["u"]
+    same(error / size, 2)
+    assert np.all(n.errors(wrong, ExactSolution({"u": exact}, ""))["u"][1] >= size), "the size at the start is part of the run"
+
+
 def evidence(g: ModuleType, error: Any, h: Any = H, size: float = 1.0) -> Any:
     table = np.repeat(np.asarray(error, dtype=float)[:, None], 4, axis=1)
     one = np.ones(len(h))
@@ -212,10 +229,35 @@ def judging_compares_with_the_accepted_errors(b: ModuleType) -> None:
     assert baseline.judge(*where, evidence(stored, H))[0] == "PASS"
     assert baseline.judge(*where, evidence(stored, 1.02 * H))[0] == "FAIL"
     assert baseline.judge(*where, evidence(stored, 1.02 * H))[0] == "FAIL", "judging accepts nothing"
-    assert baseline.judge(*where, evidence(stored, 0.9 * H))[0] == "INCONCLUSIVE"
+    assert baseline.judge(*where, evidence(stored, 0.9 * H))[0] == "FAIL", "a change for the better is accepted first"
     assert baseline.judge(*where, evidence(stored, np.where(H == 0.1, np.nan, H)))[0] == "ERROR"
     assert baseline.judge(*where[:3], "another", evidence(stored, H))[0] == "INCONCLUSIVE"
     assert baseline.judge(*where, evidence(stored, H, h=H * 0.9))[0] == "INCONCLUSIVE"
+
+
+def limits_say_what_is_compared_with_the_baseline(b: ModuleType) -> None:
+    """A stall its errors, by the change that it states; an unstable run its number of steps; a stability limit itself."""
+    where = ("study", "solver", "case", "ladder")
+    stall = Stall("u", "L2", 0.5, 0.0, 9.0, "", change=0.2)
+    unstable, limit = Unstable(1.0, ""), StabilityLimit("mpm-tl-linear-usl-flip", 0.01, "")
+    for criterion, seen, same_still, changed in (
+        (stall, evidence(stored, H), evidence(stored, 1.1 * H), evidence(stored, 0.7 * H)),
+        (
+            unstable,
+            *(replace(evidence(stored, H), outcomes=("unstable",) * 5, error={}, steps=np.full(5, n)) for n in (100, 103, 110)),
+        ),
+        (limit, *(replace(evidence(stored, H * n), metrics={"stability_limit": np.full(5, n)}) for n in (0.7, 0.702, 0.71))),
+    ):
+        baseline = b.Baseline(Path("unused"))
+        baseline.accept_study(
+            "study",
+            {stored.SeriesId("case", "solver", "ladder"): (criterion,)},
+            {stored.SeriesId("case", "solver", "ladder"): seen},
+        )
+        assert baseline.judge(*where, seen, (criterion,))[0] == "PASS"
+        assert baseline.judge(*where, same_still, (criterion,))[0] == "PASS"
+        assert baseline.judge(*where, changed, (criterion,))[0] == "FAIL"
+    assert baseline.judge(*where, replace(evidence(stored, H), outcomes=("crashed",) * 5), (stall,))[0] == "ERROR"
 
 
 # Properties of the criteria on histories and outcomes.
@@ -287,6 +329,20 @@ def a_zero_momentum_with_zero_impulse_is_detected(c: ModuleType) -> None:
     assert "of momentum" in reason
 
 
+def round_off_of_the_momentum_scales_with_what_moves(c: ModuleType) -> None:
+    """Momenta that cancel leave round-off of their own size, whatever histories are there, and a defect of 1e-9 of it is none."""
+    sound, v = sampled(), np.array([[3.0, -3.0, 0.0]] * 3)[:, :, None]
+    sound = replace(sound, weight=np.full((3, 3), 1 / 3), fields={"velocity": v})
+    moved = sound.reference + sound.time[:, None, None] * v
+    for fields in ({"velocity": v}, {}):
+        for defect, expected in ((1e-16, "PASS"), (1e-9, "FAIL")):
+            balanced = replace(
+                sound, position=moved, fields=fields, histories={"time": sound.histories["time"], "impulse": np.zeros(5)}
+            )
+            off = with_history(balanced, momentum=np.array([0.0, 0.0, defect, 0.0, 0.0]))
+            assert verdict_on(c.Balance("momentum", "impulse", ""), off)[0] == expected
+
+
 def missing_fields_and_histories_are_named_and_do_not_pass(c: ModuleType) -> None:
     sound, criterion = sampled(), c.FieldSums(STOCKS, "")
     for quantity in ("velocity", "stress"):
@@ -320,6 +376,17 @@ def energy_that_increases_again_does_not_decay(c: ModuleType) -> None:
     assert verdict_on(c.EnergyDecays(""), falling(5, 4, 3, 3, 3.1))[0] == "FAIL"
 
 
+def a_stall_has_a_known_size(c: ModuleType) -> None:
+    """A body that never moves stalls at the error 1; of the two finest levels both count, and of a size the finest one alone."""
+    stall, size = c.Stall("u", "L2", 0.5, 0.05, 0.2, ""), c.Size("u", "L2", 0.05, 0.2, "")
+    for error, expected in ((0.1, "PASS"), (1.0, "FAIL"), (0.01, "FAIL")):
+        assert stall.judge(evidence(stored, 0 * H + error))[0] == expected
+        assert size.judge(evidence(stored, np.where(FINEST, error, 0.1 + H)))[0] == expected
+        assert stall.judge(evidence(stored, np.where(H == 0.04, error, 0.1)))[0] != ("FAIL" if expected == "PASS" else "PASS")
+    assert c.Size("u", "L2", 0.05, 0.2, "", 0.5).judge(evidence(stored, np.where(COARSEST, 0.1, 1.0)))[0] == "PASS"
+    assert c.Size("u", "L2", 0.05, 0.2, "", 0.3).judge(evidence(stored, 0 * H + 0.1))[0] == "INCONCLUSIVE"
+
+
 def unstable_runs_must_be_reported_as_unstable(c: ModuleType) -> None:
     def ended(*outcomes: str) -> str:
         nu = np.full(len(outcomes), 1.1)
@@ -342,18 +409,20 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         errors_below_ten_times_the_uncertainty_of_a_reference_are_not_judged,
         grid_convergence_is_exact_on_power_laws,
     ),
-    "criteria/norms": (norms_are_means_over_the_body,),
+    "criteria/norms": (norms_are_means_over_the_body, errors_are_relative_to_the_exact_field_over_the_run),
     "criteria/evidence": (evidence_is_relative,),
     "convergence/verdict": (the_worst_verdict_decides,),
     "criteria": (
         histories_are_sums_of_the_fields,
         a_zero_momentum_with_zero_impulse_is_detected,
+        round_off_of_the_momentum_scales_with_what_moves,
         missing_fields_and_histories_are_named_and_do_not_pass,
         energy_that_increases_again_does_not_decay,
+        a_stall_has_a_known_size,
         unstable_runs_must_be_reported_as_unstable,
     ),
     "judgement/findings": (incomplete_runs_are_judged_by_their_outcome_alone,),
-    "judgement/baseline": (judging_compares_with_the_accepted_errors,),
+    "judgement/baseline": (judging_compares_with_the_accepted_errors, limits_say_what_is_compared_with_the_baseline),
 }
 
 
@@ -377,6 +446,7 @@ GCI, LEVELS, REFERENCE = "convergence/gci.py", "convergence/levels.py", "converg
 FIT_LOGARITHMS = "x, y = np.log(h), np.log(error)\n    dx"
 STUDENT = "float(stdtrit(len(h) - 2, 0.5 + confidence / 2))"
 SUMS, HISTORIES, OUTCOMES = "criteria/field_sums.py", "criteria/histories.py", "criteria/outcomes.py"
+ERRORS = "criteria/errors.py"
 NORMS, EVIDENCE, VERDICT = "criteria/norms.py", "criteria/evidence.py", "convergence/verdict.py"
 FINDINGS, BASELINE = "judgement/findings.py", "judgement/baseline.py"
 IN_BAND = "if not (low <= fit.low and fit.high <= high):"
@@ -448,7 +518,9 @@ FAULTS = {
     "NaN masked in L1": Fault(NORMS, "return np.sum(weight * np.linalg", "return np.nansum(weight * np.linalg"),
     "NaN masked in L2": Fault(NORMS, "np.sqrt(np.sum(weight *", "np.sqrt(np.nansum(weight *"),
     "NaN masked in Linf": Fault(NORMS, "return np.max(np.linalg", "return np.nanmax(np.linalg"),
-    "first time for last": Fault(NORMS, "values[-1:], weight[-1:]", "values[:1], weight[:1]"),
+    "first time for last": Fault(NORMS, "[one[-1], two[-1], largest[-1], ", "[one[0], two[0], largest[0], "),
+    "size of the numerical field": Fault(NORMS, "sizes(expected * entries", "sizes(solution.fields[quantity] * entries"),
+    "size at the final time": Fault(NORMS, "np.max(_over_time(values, weight), axis=1)", "_over_time(values, weight)[:, -1]"),
     "errors not squared": Fault(NORMS, "np.sum(values**2, axis=-1)", "np.sum(np.abs(values), axis=-1)"),
     "error times the exact norm": Fault(EVIDENCE, "return self.error[quantity][:, k] /", "return self.error[quantity][:, k] *"),
     "an infinite exact norm is accepted": Fault(EVIDENCE, "np.where(np.isfinite(self.reference[quantity][:, k]), ", "np.where(True, "),
@@ -465,12 +537,20 @@ FAULTS = {
     "first history alone": Fault(SUMS, "np.concatenate(list(defects.values()))", "list(defects.values())[0]"),
     "drift for rise": Fault(HISTORIES, "np.minimum.accumulate(total)", "total[0]"),
     "last rise alone": Fault(HISTORIES, "np.minimum.accumulate(total)", "np.minimum(total, total[-1])"),
+    "scale of the net momentum alone": Fault(HISTORIES, "scales.append(moved_momentum(", "scales.append(0 * moved_momentum("),
+    "momentum of the last point": Fault(HISTORIES, "axis=2) @ solution.weight[0]", "axis=2)[:, -1:]"),
+    "any size stalls": Fault(ERRORS, "if not (self.low <= min(before, finest) and max(before, finest) <= self.high):", "if False:"),
+    "small errors stall": Fault(ERRORS, "if not (self.low <= min(before, finest) and max", "if not (max"),
+    "large errors have the size": Fault(ERRORS, "self.low <= judged.min() and judged.max() <= self.high", "self.low <= judged.min()"),
+    "size of every level": Fault(ERRORS, "self.h or size.min(), rtol=1e-9", "size, rtol=1e-9"),
     "completion above the limit passes": Fault(OUTCOMES, "if status != Status.UNSTABLE}", "if status not in (Status.UNSTABLE, Status.COMPLETED)}"),
     "crash above the limit passes": Fault(OUTCOMES, "if status != Status.UNSTABLE}", "if status == Status.COMPLETED}"),
     "completion above the limit is an error": Fault(OUTCOMES, "Verdict.FAIL if", "Verdict.ERROR if"),
     "incomplete runs are judged": Fault(FINDINGS, "if evidence.incomplete and not isinstance(criterion, OnOutcomes):", "if False:"),
     "errors compared with themselves": Fault(BASELINE, "then = known.get(name, 0.0)", "then = now"),
-    "judged errors used as baseline": Fault(BASELINE, "known = accepted.get(level, {})", "known = accepted.get(level, values)"),
+    "judged errors used as baseline": Fault(
+        BASELINE, "known = accepted.get(level, {})", "known = accepted.get(level, {n: v[0] for n, v in values.items()})"
+    ),
     "judging accepts": Fault(BASELINE, "                compared += 1\n", "                compared += 1\n                known[name] = now\n"),
     "series mixed up": Fault(
         BASELINE,
@@ -478,8 +558,10 @@ FAULTS = {
         "next(iter(self.entries.get(study, {}).get(solver, {}).values()), {})",
     ),
     "levels mixed up": Fault(BASELINE, 'yield f"h={h:.9g} nu_C', 'yield f"{k} nu_C'),
-    "smaller errors pass": Fault(BASELINE, "elif rose(now, then, size):", "elif False:"),
+    "smaller errors pass": Fault(BASELINE, "elif rose(now, then, size, change):", "elif False:"),
     "errors larger by half pass": Fault(BASELINE, "RELATIVE = 0.01", "RELATIVE = 0.5"),
+    "any change of a limit passes": Fault(BASELINE, "change = _change(criteria)", "change = 9.0"),
+    "limits ignored": Fault(BASELINE, "if isinstance(criterion, OnLimits)), errors_of_level)", "if False), errors_of_level)"),
     "NaN not detected": Fault(BASELINE, "if not np.all(np.isfinite([now, then, size])):", "if False:"),
 }  # fmt: skip
 

@@ -39,7 +39,7 @@ ROOMS = (
     "__main__",
 )
 """Rooms of the core from the ground up: a room imports itself and the rooms before it only."""
-MODULES_OF_THEIR_OWN = {"errors", "atomic", "solution", "study", "pytest_plugin", "__main__"}
+MODULES_OF_THEIR_OWN = {"errors", "atomic", "solution", "pytest_plugin", "__main__"}
 """Rooms that are one module; every other room is a package."""
 
 

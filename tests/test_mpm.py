@@ -16,6 +16,7 @@ from mpmverify.exact.manufactured import manufactured
 from mpmverify.exact.vibration import axial_vibration
 from mpmverify.problem import (
     Absorbing,
+    Block,
     Constant,
     Discretisation,
     LinearElastic,
@@ -26,9 +27,9 @@ from mpmverify.problem import (
     Transport,
     Velocity,
 )
+from mpmverify.problem.particles import place_particles
 from mpmverify.solution import Status
 from mpmverify.solvers.mpm import AFLIP, APIC, FLIP, GAUSS, PIC, TPIC, MaterialPoint, Transfer, blend, fmpm, order, solver, xpic
-from mpmverify.solvers.mpm.layout import place_particles
 from mpmverify.solvers.mpm.transfers import TRANSFERS
 
 FIXED, FREE = Velocity(), Traction()
@@ -298,8 +299,58 @@ def test_a_particle_that_leaves_the_grid_ends_the_run():
     solution = MaterialPoint().solve(problem, Discretisation(1.0, 0.1, 2))
     assert solution.outcome.status is Status.LEFT_GRID
     assert solution.outcome.detail == "at step 3 of 20"
+    assert "enlarge the domain" in str(solution.outcome)
     assert len(solution.time) == len(solution.histories["momentum"]) == 3
     assert np.isfinite(solution.position).all()
+
+
+@pytest.mark.parametrize("v", [0.25, -0.25])
+@pytest.mark.parametrize("moving", ["x- and x+", "x-", "x+"])
+def test_a_body_that_a_face_carries_off_the_grid_is_not_told_to_enlarge_the_domain(moving, v):
+    left, right = (Velocity(Constant(v)) if face in moving else FREE for face in ("x-", "x+"))
+    problem = bar(left=left, right=right, velocity=lambda X: np.full_like(X, v), end_time=4.0)
+    outcome = MaterialPoint().solve(problem, Discretisation(1.0, 0.5, 2)).outcome
+    assert outcome.status is Status.LEFT_GRID
+    assert f"the motion of {moving} carried a particle off" in outcome.advice
+    assert "the faces of a larger domain move as well" in str(outcome)
+    assert "enlarge the domain" not in str(outcome)
+    assert MaterialPoint(formulation="total").solve(problem, Discretisation(1.0, 0.5, 2)).outcome.completed, "what it advises"
+
+
+def test_a_body_that_leaves_a_moving_face_behind_is_told_to_enlarge_the_domain():
+    problem = bar(left=Velocity(Constant(0.01)), right=FREE, velocity=lambda X: np.ones_like(X), end_time=2.0)
+    outcome = MaterialPoint().solve(problem, Discretisation(1.0, 0.1, 2)).outcome
+    assert (outcome.status, outcome.advice) == (Status.LEFT_GRID, "")
+
+
+def swinging(courant, velocity, schedule="USL"):
+    """Outcome of a free block that swings and crosses cells."""
+    problem = bar(left=FREE, right=FREE, velocity=velocity, end_time=15.0, cells=20, shape=Block((3.0,), (13.0,)))
+    return MaterialPoint(schedule).solve(problem, Discretisation(1.0, courant, 2)).outcome
+
+
+@pytest.mark.parametrize(("courant", "amplitude"), [(0.4, 0.15), (0.3, 0.35), (0.8, 0.25)])
+def test_a_node_of_small_mass_is_not_told_to_lower_the_courant_number(courant, amplitude):
+    """Below the limit of full cells USL turns a particle inside out beside a node of small mass; MUSL and USF, as advised, do not."""
+
+    def mode(X):
+        return amplitude * np.sin(np.pi * (X - 3) / 10)
+
+    outcome = swinging(courant, mode)
+    assert outcome.status is Status.NON_FINITE
+    assert "of the largest nodal mass" in outcome.advice
+    assert "take the schedule MUSL or USF" in outcome.advice
+    assert "Courant" not in str(outcome)
+    assert swinging(courant, mode, "MUSL").completed
+    assert swinging(courant, mode, "USF").completed
+
+
+def test_a_time_step_above_the_limit_is_told_to_lower_the_courant_number():
+    random = np.random.default_rng(0).normal(size=(20, 1)) * 1e-2
+    for courant in (1.5, 4.0):
+        outcome = swinging(courant, lambda X: random)
+        assert not outcome.completed
+        assert "lower the Courant number" in str(outcome)
 
 
 @frozen_functions

@@ -26,8 +26,8 @@ from mpmverify.problem import (
     Traction,
     Velocity,
 )
+from mpmverify.problem.particles import SLIVER, place_particles
 from mpmverify.solvers.mpm import APIC, FLIP, GAUSS, REGULAR, Layout, MaterialPoint, fmpm, offset
-from mpmverify.solvers.mpm.layout import SLIVER, place_particles
 
 CENTERS = st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 DISKS = st.builds(Disk, CENTERS, st.floats(0.05, 0.7))
@@ -247,6 +247,7 @@ def test_a_free_disk_conserves_angular_momentum_with_apic(schedule, monkeypatch)
     assert np.abs(states[0].affine).max() > 1e-4
     scale = begun.mass @ np.linalg.norm(begun.position, axis=1)
     assert spin(states[0]) == pytest.approx(spin(begun), abs=1e-13 * scale)
+    assert solution.histories["angular_momentum"] == pytest.approx(spin(begun), abs=1e-13 * scale)
 
 
 @pytest.mark.parametrize("formulation", ["updated", "total"])

@@ -171,11 +171,23 @@ X = np.linspace(0, 1, 9)[:, None]
 T = np.array([0.0, 0.4, 1.0])
 
 
-def test_the_exact_field_has_no_error_and_its_norm_is_returned():
+def test_the_exact_field_has_no_error_and_its_size_over_the_run_is_returned():
     weight = np.full((3, 9), 1 / 9)
     error, size = errors(solution(shifted(X, T), time=T, reference=X, weight=weight), WAVE)["u"]
     assert np.all(error == 0)
-    np.testing.assert_array_equal(size, norms(shifted(X, T), weight))
+    by_time = [norms(shifted(X, T)[k : k + 1], weight[k : k + 1]) for k in range(len(T))]
+    np.testing.assert_array_equal(size, np.max(by_time, axis=0))
+
+
+def test_a_solution_three_times_too_large_has_a_relative_error_of_two():
+    """The error is divided by the size of the exact field, not of the numerical one, and not of what is left at the final time."""
+
+    def fading(X, t):
+        return np.cos(0.5 * np.pi * t)[:, None, None] * (1 + X[None])
+
+    error, size = errors(solution(3 * fading(X, T), time=T, reference=X), ExactSolution({"u": fading}, ""))["u"]
+    assert error[L2_MAX] / size[L2_MAX] == pytest.approx(2, rel=1e-12)
+    assert np.all(error[[L1, L2, LINF]] / size[[L1, L2, LINF]] < 1e-15)
 
 
 def test_a_lag_of_one_step_gives_the_error_of_one_step():

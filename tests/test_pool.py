@@ -69,6 +69,12 @@ def test_the_outcome_has_the_reason_of_the_failure(outcomes, behaviour, outcome)
     assert outcomes[2][f"scripted-{behaviour}"].level.outcome.startswith(outcome)
 
 
+def test_every_run_has_its_seconds(outcomes):
+    seconds = {name: evaluated.seconds for name, evaluated in outcomes[2].items()}
+    assert seconds["scripted-hangs"] == 2.0, "the time limit"
+    assert all(0 < seconds[f"scripted-{name}"] < 2 for name in ("raises", "leaves", "good", "unstable"))
+
+
 def test_only_runs_that_returned_a_solution_are_stored(outcomes):
     path, tasks, found, _, _ = outcomes
     stored = {task.solver.name for task in tasks if Results(path).run(task.key).exists()}

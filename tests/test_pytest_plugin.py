@@ -159,7 +159,7 @@ def test_without_a_cache_a_results_folder_is_required(project):
 
 def test_every_item_of_a_study_has_a_finding_and_every_finding_an_item(tmp_path):
     """Otherwise a verdict would not be shown, or a listed test would never be judged."""
-    stalled = study(criteria=(Stall("u", "L2", 0.5, "made so"), *SECOND_ORDER), name="stalled")
+    stalled = study(criteria=(Stall("u", "L2-max", 0.5, 0.0, 1.0, "made so"), *SECOND_ORDER), name="stalled")
     for declared in (study(Scripted(), Scripted("nan")), stalled):
         tree = SharedStudy(declared, lambda: plan(tmp_path), set, gated=True).declared()
         listed = {(c, s, r, t) for c, below in tree.items() for s, rs in below.items() for r, ts in rs.items() for t in ts}
@@ -279,7 +279,7 @@ FIXTURE = """
             "Mine.orders = {'u': 1.0}; verify(Mine(), HILL)",
             False,
             [
-                "E*AssertionError: FAIL scripted/hill/mine (nu_C=0.5): order of u in L2 in *: order 2.000*lies outside*",
+                "E*AssertionError: FAIL scripted/hill/mine (nu_C=0.5): order of u in L2-max in *: order 2.000*lies outside*",
                 "E*expected by: the solver declares order 1 of u on smooth data; where it is better than that*",
             ],
         ),

@@ -287,7 +287,7 @@ def test_a_failed_run_is_listed_once_for_all_criteria_of_its_series(stored: tupl
 
 def test_missing_baseline_series_and_the_restriction_of_the_run_are_shown(tmp_path: Path) -> None:
     whole, known = study(solvers=("good", "also good")), Baseline(tmp_path / "none")
-    for solver in whole.solver_names():
+    for solver in whole.solvers():
         known.accept_series("sample", solver, "hill & dale", "ladder", EVIDENCE)
     results = Results(tmp_path)
     *_, lacking = store(results, whole.restricted(("good",)), known)

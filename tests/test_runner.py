@@ -169,8 +169,8 @@ REASONS = {
     "nan": "non-finite; the solver reports completion, but u is not finite",
     "nan-weight": "non-finite; the solver reports completion, but weight is not finite",
     "nan-history": "non-finite; the solver reports completion, but history of mass is not finite",
-    "unstable": "unstable; at step 3; the kinetic energy grew without bound: lower the Courant number",
-    "unstable-at-once": "unstable; at step 0; the kinetic energy grew without bound: lower the Courant number",
+    "unstable": "unstable; at step 3; the solution grew without bound: lower the Courant number",
+    "unstable-at-once": "unstable; at step 0; the solution grew without bound: lower the Courant number",
     "flat-fields": "crashed; it returned an inconsistent solution: u has the shape (5, 32) beside 5 output times and 32 points",
     "too-few-points": "crashed; it returned an inconsistent solution: u has the shape (5, 31, 1) beside",
     "scalar-weight": "crashed; it returned an inconsistent solution: weight has the shape () beside",
@@ -280,12 +280,12 @@ def test_a_usage_error_is_raised_and_finished_runs_are_kept(tmp_path, monkeypatc
     def refuse(_):
         raise UsageError("solver 'scripted-raises' cannot solve this")
 
-    monkeypatch.setattr("faulty_solvers.BEHAVIOURS", {"raises": refuse})
-    declared = study(Scripted("raises", below=0.04))
+    monkeypatch.setitem(BEHAVIOURS, "raises", refuse)
+    declared = study(), study(Scripted("raises"), Scripted("nan"), name="costlier")
     with pytest.raises(UsageError, match="cannot solve this"):
-        judged_once(declared, tmp_path)
-    assert len(list((tmp_path / "runs").iterdir())) == LEVELS - 1
-    assert not (tmp_path / "scripted.nc").exists()
+        list(run(declared, plan(tmp_path)))
+    assert len(list((tmp_path / "runs").iterdir())) == LEVELS
+    assert [path.name for path in tmp_path.glob("*.nc")] == ["scripted.nc"]
 
 
 # Damaged and foreign files.
@@ -351,6 +351,24 @@ def test_progress_counts_every_run_once(tmp_path):
     assert calls == [(name, k, LEVELS) for name in ("scripted", "other") for k in (1, 2, 3)]
 
 
+def test_the_cheapest_study_is_judged_first_and_its_longest_run_is_solved_first(tmp_path, journal):
+    costly, cheap = study(Scripted(), Scripted("unstable"), name="costly"), study(Scripted(journal=str(journal)), name="cheap")
+    told = []
+    told.extend(
+        f"{judged.study} is judged" for judged in run([costly, cheap], plan(tmp_path), lambda name, *_: told.append(name))
+    )
+    assert told == ["cheap"] * LEVELS + ["cheap is judged"] + ["costly"] * 2 * LEVELS + ["costly is judged"]
+    sizes = [float(line.split()[1]) for line in journal.read_text().splitlines()]
+    assert sizes == sorted(sizes)
+    assert len(sizes) == LEVELS
+
+
+def test_the_seconds_of_a_study_are_those_of_its_runs(tmp_path):
+    slow = study(Scripted("dawdles"))
+    assert judged_once(slow, tmp_path).seconds > 0.3 * LEVELS
+    assert judged_once(slow, tmp_path).seconds == 0.0, "all of it was at hand"
+
+
 def test_one_run_per_series_is_shown_and_it_has_few_points(tmp_path):
     tasks = tasks_of(study(Scripted(), Scripted("unstable"), levels=6), plan(tmp_path))
     shown = {task.solver.name: task.discretisation.h for task in tasks if task.shown}
@@ -395,12 +413,24 @@ def test_declarations_that_cannot_be_stored_are_refused():
 
 
 @pytest.mark.parametrize(
-    ("levels", "quick"), [((), 0), ((), 1), ((Discretisation(0.5, 0.5),), 0), ((Discretisation(0.5, 0.5),), 2)]
+    ("levels", "quick"), [((), 0), ((), 1), ((Discretisation(0.5, 0.5),), -1), ((Discretisation(0.5, 0.5),), 2)]
 )
 def test_a_ladder_with_an_impossible_quick_tier_is_refused(levels, quick):
-    """A study without runs would have no verdict that could fail."""
-    with pytest.raises(UsageError, match=r"ladder 'l' has \d levels: let the quick tier run 1 to \d, not"):
+    with pytest.raises(UsageError, match=r"ladder 'l' has \d levels: let the quick tier run 0 to \d, not"):
         Refinement("l", levels, quick)
+
+
+def test_a_tier_has_the_series_that_have_levels_in_it():
+    """A study without runs would have no verdict that could fail."""
+    level = Discretisation(0.5, 0.5)
+    both, late = (Series(Scripted(), Refinement(label, (level,), quick), ()) for label, quick in (("both", 1), ("late", 0)))
+    hill = advection(Gaussian(0.5, 0.1))
+    cases = tuple(Case(name, hill, series, "u") for name, series in (("a", (both, late)), ("b", (late,))))
+    declared = Study("s", "t", "u", cases)
+    assert declared.in_tier("full") == declared
+    assert [(case.name, series.refinement.label) for case, series in declared.in_tier("quick").series()] == [("a", "both")]
+    with pytest.raises(UsageError, match="no series in the quick tier: run the full tier"):
+        Study("s", "t", "u", cases[1:]).in_tier("quick")
 
 
 def test_a_restricted_study_has_the_named_solvers_and_one_courant_number():
@@ -412,9 +442,9 @@ def test_a_restricted_study_has_the_named_solvers_and_one_courant_number():
         ),
     )  # fmt: skip
     assert declared.restricted() == declared
-    assert declared.restricted(declared.solver_names()) == declared, "a restriction to all solvers is none"
+    assert declared.restricted(tuple(declared.solvers())) == declared, "a restriction to all solvers is none"
     alone = declared.restricted(("scripted-nan",))
-    assert alone.solver_names() == ("scripted-nan",)
+    assert tuple(alone.solvers()) == ("scripted-nan",)
     assert [case.name for case in alone.cases] == ["step"]
     assert alone.restricted_to == "scripted-nan"
     assert alone.restricted(courant=0.125).restricted_to == "Courant number 0.125"

@@ -31,6 +31,7 @@ from mpmverify.selftest.fault_judge import CONTRACT, FaultJudge, deviation
 from mpmverify.selftest.faults import Edit, Fault, passage
 from mpmverify.selftest.named import HISTORIC, NAMED
 from mpmverify.selftest.processes import each_alone
+from mpmverify.selftest.reach import lines_run, reaches
 from mpmverify.selftest.rules import RULES, faults, sampled
 from mpmverify.selftest.survivors import EXPLAINED
 from mpmverify.selftest.trials import TRIALS, Trial, merged
@@ -270,9 +271,22 @@ def judged(tmp_path_factory):
     trial = Trial("gehojerez-deck", "deck", "tg-lumped").of(studies.get)
     none = Baseline(folder / "none.json")
     assert list(run([trial], Plan(Results(folder), none, jobs=0)))
-    judge = FaultJudge(SOURCES, (trial,), none, folder, folder)
     with little_optimisation():
+        judge = FaultJudge(SOURCES, (trial,), none, folder, folder, (lines_run(trial, SOURCES, folder),))
         return {name: judge.judge(Fault("taylor_galerkin", "named", "a fault", (edit,))) for name, (edit, _) in FATES.items()}
+
+
+def test_a_fault_is_tried_where_its_statement_runs():
+    """A statement of several lines runs where one of its lines does; a function that numba compiles, and a file, run where they are used."""
+    line = (SOURCES / "mpm" / "hyperelastic.py").read_text(encoding="utf-8").split("def yeoh_energy")[0].count("\n") + 5
+    inside = Fault("mpm", "named", "inside", (Edit("mpm/hyperelastic.py", "x * (second + third * x))", "x * second)"),))
+    assert reaches({"mpm/hyperelastic.py": frozenset({line - 1, line, line + 1})}, inside, SOURCES)
+    assert not reaches({"mpm/hyperelastic.py": frozenset({1, line - 30})}, inside, SOURCES)
+    assert not reaches({"mpm/grid.py": frozenset(range(1, 300))}, inside, SOURCES)
+    header = Fault(
+        "mpm", "named", "header", (Edit("mpm/hyperelastic.py", "def yeoh_energy(lame: float", "def yeoh_energy(shear: float"),)
+    )
+    assert reaches({"mpm/hyperelastic.py": frozenset({line})}, header, SOURCES)
 
 
 TG, TG_SOLVER = "taylor_galerkin/kernel.py", "taylor_galerkin/solver.py"

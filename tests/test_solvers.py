@@ -43,6 +43,7 @@ from mpmverify.solution import ADVICE, Solution, Solver, Status
 from mpmverify.solvers.fem import FiniteElement
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+from mpmverify.solvers.textbook import Textbook
 from mpmverify.studies import variants
 
 SOLVERS: tuple[Solver, ...] = tuple(
@@ -55,7 +56,7 @@ SOLVERS: tuple[Solver, ...] = tuple(
             *(
                 series.solver
                 for name in studies.NAMES
-                for _, series in studies.get(name).series()
+                for _, series in studies.get(name).in_tier("quick").series()
                 if not isinstance(series.solver, Bisection)
             ),
         )
@@ -133,23 +134,13 @@ def ladders(solver: Solver) -> tuple[Ladder, ...]:
     if isinstance(solver, FiniteElement):
         vibration = (VIBRATION, (16, 32, 64, 128), 0.25)
         return (vibration,) if solver.integrator == "newmark" else (vibration, (FINITE_STRAIN, (16, 32, 64, 128), 0.2))
-    assert isinstance(solver, MaterialPoint)
+    assert isinstance(solver, MaterialPoint | Textbook)
     vibration = (VIBRATION, (32, 64, 128, 256), 0.4)
     # PIC reaches its order late on the forced problem: its smoothing is large compared with the solution that the force keeps up.
-    if solver.formulation == "updated" or solver.transfer.flip == 0:
+    damped = solver.transfer == "PIC" if isinstance(solver, Textbook) else solver.transfer.flip == 0
+    if solver.formulation == "updated" or damped:
         return (vibration,)
     return vibration, (FINITE_STRAIN, (16, 32, 64, 128), 0.2)
-
-
-def pre_asymptotic_order(solver: Solver, quantity: str) -> float:
-    """Order on coarse levels, from which the measured order falls to the declared one."""
-    if isinstance(solver, MaterialPoint) and 0 < solver.transfer.flip < 1 and quantity == "displacement":
-        return 2.0  # FLIP's error dominates on coarse levels, PIC's on fine ones
-    if isinstance(solver, MaterialPoint) and solver.basis == "cubic" and quantity != "stress":
-        return 2.0  # the lower order of the end cells shows on fine levels only
-    if isinstance(solver, MaterialPoint) and solver.basis == "quadratic" and quantity == "stress":
-        return 2.0  # half an order is lost in the two end cells, which shows on fine levels only
-    return solver.orders[quantity]
 
 
 def measured_orders(solver: Solver, ladder: Ladder) -> dict[str, Convergence]:
@@ -175,8 +166,9 @@ def test_declared_orders_are_measured(solver: Solver) -> None:
             assert series.fit is not None
             assert series.floor is None
             assert series.kept.sum() >= 3
-            low, high = solver.orders[quantity] - 0.15, pre_asymptotic_order(solver, quantity) + 0.15
-            assert low <= series.fit.order <= high, f"{quantity} on {ladder[0].problem.name}: {series}"
+            coarse = getattr(solver, "coarse_orders", solver.orders)
+            low, high = sorted((solver.orders[quantity], coarse[quantity]))
+            assert low - 0.15 <= series.fit.order <= high + 0.15, f"{quantity} on {ladder[0].problem.name}: {series}"
             measured.add(quantity)
     assert measured == set(solver.orders), "every declared order is measured"
 
@@ -217,11 +209,7 @@ def test_a_free_bar_gains_the_momentum_of_its_forces(solver: Solver) -> None:
 @every_solver
 def test_histories_start_with_the_initial_state(solver: Solver) -> None:
     history = pulled(solver).histories
-    assert {name: history[name][0] for name in ("time", "impulse", "external_work")} == {
-        "time": 0,
-        "impulse": 0,
-        "external_work": 0,
-    }
+    assert {history[name][0] for name in ("time", "impulse", "external_work") if name in history} == {0}
     # int rho v0 and int rho v0^2/2; solvers sum over particles or nodes, hence the tolerance
     angle = 3 * LENGTH
     momentum = BAR.density * PULL * (1 - math.cos(angle)) / 3
@@ -239,7 +227,7 @@ def test_weights_sum_to_the_measure_of_the_body(solver: Solver) -> None:
     assert np.all(solution.weight > 0)
     sums = solution.weight.sum(axis=1)
     assert sums[0] == pytest.approx(LENGTH, rel=1e-14)
-    if solver not in UPDATED:
+    if solver not in UPDATED and not isinstance(solver, Textbook):
         assert sums == pytest.approx(LENGTH, rel=1e-14)
 
 
@@ -285,7 +273,7 @@ def test_arrays_are_finite_float64_of_the_declared_shapes(solver: Solver) -> Non
         assert np.all(np.isfinite(array)), name
     assert solution.dt == dt
     assert set(solution.fields) <= set(UNITS)
-    energies = {"kinetic_energy", "strain_energy", "external_work"}
+    energies = {"kinetic_energy"} if isinstance(solver, Textbook) else {"kinetic_energy", "strain_energy", "external_work"}
     energies |= {"dissipated_energy"} if isinstance(solver, MaterialPoint) else set()
     assert set(solution.histories) == {"time", "mass", "momentum", "impulse"} | energies
     assert np.all((solution.reference > LOWER) & (solution.reference < UPPER))
@@ -317,7 +305,7 @@ def test_work_counts_steps_and_points(solver: Solver) -> None:
     solution = pulled(solver)
     steps, _ = LEVEL.time_steps(PULLED)
     (cells,) = LEVEL.cells(PULLED)
-    points = cells * LEVEL.ppc if isinstance(solver, MaterialPoint) else cells
+    points = cells * LEVEL.ppc if isinstance(solver, MaterialPoint | Textbook) else cells
     assert solution.work.steps == steps > 0
     assert solution.work.point_steps == steps * points
     assert 0 <= solution.work.seconds < 60
@@ -428,7 +416,7 @@ REFUSED = {
 @every_solver
 @pytest.mark.parametrize("problem", REFUSED.values(), ids=REFUSED)
 def test_a_problem_that_the_solver_cannot_take_is_refused(solver: Solver, problem: Problem) -> None:
-    if problem.name == "square" and isinstance(solver, MaterialPoint):
+    if problem.name == "square" and isinstance(solver, MaterialPoint | Textbook):
         problem = dataclasses.replace(problem, boundary=problem.boundary | {"y+": Absorbing()})
     if problem.name == "displaced-bar" and isinstance(solver, FiniteElement):
         problem = dataclasses.replace(problem, name="stressed-bar", initial={"stress": swing})

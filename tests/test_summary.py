@@ -18,10 +18,10 @@ from mpmverify.judgement.summary import (
     MARKDOWN_ROWS,
     STEP_SUMMARY,
     annotations,
+    by_study,
     counts,
     junit,
     markdown,
-    matrix,
     ranked,
 )
 
@@ -227,20 +227,19 @@ def test_a_long_list_is_truncated_with_a_note(count):
         assert "and 7 more in verdicts.json." in text
 
 
-def test_the_matrix_shows_the_worst_of_each_solver_and_study():
+def test_the_summary_counts_the_verdicts_of_each_study():
     several = [
         finding(Verdict.PASS),
         finding(Verdict.FAIL),
-        finding(Verdict.INCONCLUSIVE, solver="fem"),
         finding(Verdict.ERROR, study="advection"),
+        finding(Verdict.PASS, solver="fem", limit="known limit"),
     ]
-    expected = {"tg": {"bar": Verdict.FAIL, "advection": Verdict.ERROR}, "fem": {"bar": Verdict.INCONCLUSIVE}}
-    assert matrix(several) == expected
+    assert by_study(several) == {"bar": [several[0], several[1], several[3]], "advection": [several[2]]}
     assert tables(markdown(several))[-1] == [
-        ["solver", "bar", "advection"],
-        ["---"] * 3,
-        ["tg", "FAIL", "ERROR"],
-        ["fem", "INCONCLUSIVE", ""],
+        ["study", "PASS", "known limit", "INCONCLUSIVE", "FAIL", "ERROR"],
+        ["---"] * 6,
+        ["bar", "1", "1", "0", "1", "0"],
+        ["advection", "0", "0", "0", "0", "1"],
     ]
 
 
@@ -263,21 +262,21 @@ def test_the_summary_without_findings_is_not_a_pass():
 # Limits of hosts.
 
 
-def many(count=10_000, solvers=1):
+def many(count=10_000, studies=1):
     """Return findings with long reasons of multi-byte characters."""
     verdicts = [Verdict.INCONCLUSIVE, Verdict.PASS, Verdict.FAIL, Verdict.ERROR]
     return [
-        finding(verdicts[k % 4], solver=f"Löser {k % solvers} {'ß' * 200}", reason=f"{k} " + "größer € 𝜎 " * 500)
+        finding(verdicts[k % 4], study=f"Löser {k % studies} {'ß' * 200}", reason=f"{k} " + "größer € 𝜎 " * 500)
         for k in range(count)
     ]
 
 
-@pytest.mark.parametrize("solvers", [1, 10_000])
+@pytest.mark.parametrize("studies", [1, 10_000])
 @pytest.mark.parametrize(
     "there", [0, 1000, STEP_SUMMARY - 2000, STEP_SUMMARY - 100, STEP_SUMMARY - 10, STEP_SUMMARY, STEP_SUMMARY + 1]
 )
-def test_a_summary_keeps_to_its_number_of_bytes(solvers, there):
-    several = many(solvers=solvers)
+def test_a_summary_keeps_to_its_number_of_bytes(studies, there):
+    several = many(studies=studies)
     text = markdown(several, STEP_SUMMARY - there)
     assert not text or there + len(text.encode()) <= STEP_SUMMARY
     if there <= STEP_SUMMARY - 100:
@@ -289,8 +288,8 @@ def test_a_summary_keeps_to_its_number_of_bytes(solvers, there):
         assert all(len(cell) <= CELL for line in shown for cell in cells(line))
     if there <= 1000:
         assert len(shown) == MARKDOWN_ROWS
-    if solvers > 1 and there <= 1000:
-        assert re.search(r"\nand \d+ more solvers\.\n$", text)
+    if studies > 1 and there <= 1000:
+        assert re.search(r"\nand \d+ more studies\.\n$", text)
 
 
 @LIGHT

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mpmverify import studies
 from mpmverify.convergence.verdict import Verdict
-from mpmverify.criteria import Balance, EnergyConserved, EnergyDrift, Exact, Order
+from mpmverify.criteria import Balance, Dispersion, EnergyConserved, EnergyDrift, Exact, ExactTotal, Order
 from mpmverify.criteria.evidence import evidence_of
 from mpmverify.criteria.expectations import MARGIN, expectations, order_band
 from mpmverify.errors import UsageError
@@ -21,6 +21,7 @@ from mpmverify.exact.elastic_bar import RampLoad, SmoothPulse, StepLoad, elastic
 from mpmverify.execution.runner import run
 from mpmverify.execution.verify import verify
 from mpmverify.problem import Constant, Discretisation, Outflow
+from mpmverify.solution import ADVICE
 from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.study import Refinement, design, halving, in_time
 
@@ -102,7 +103,11 @@ def test_expected_orders_follow_from_the_smoothness_of_each_quantity(problem, ex
         def orders(self):
             return {"u": 1.0, "velocity": 2.0, "displacement": 2.0}
 
-    found = {c.quantity: (c.norm, c.low, c.high) for c in expectations(Bar(), problem) if isinstance(c, Order)}
+    found = {
+        c.quantity: (c.norm, c.low, c.high)
+        for c in expectations(Bar(), problem, "L1" if np.isfinite(problem.exact.derivatives) else "L2")
+        if isinstance(c, Order)
+    }
     assert found.keys() == expected.keys(), "the problem has no field u, so that its order is not expected"
     for quantity, (norm, *edges) in expected.items():
         assert found[quantity][0] == norm
@@ -112,7 +117,7 @@ def test_expected_orders_follow_from_the_smoothness_of_each_quantity(problem, ex
 def test_the_expected_balances_depend_on_the_problem():
     def balances(problem, kept=("mass", "momentum")):
         solver = Claiming(of="u" if "u" in problem.exact.fields else "velocity", kept=kept)
-        return [(c.stock, c.source_term) for c in expectations(solver, problem) if isinstance(c, Balance)]
+        return [(c.stock, c.source_term) for c in expectations(solver, problem, "L2") if isinstance(c, Balance)]
 
     assert balances(elastic_bar()) == [("mass", ""), ("momentum", "impulse")]
     assert balances(elastic_bar(), ("momentum",)) == [("momentum", "impulse")]
@@ -161,8 +166,8 @@ class Declaring:
 
 
 def test_a_solver_with_correct_declarations_passes():
-    assert verdicts(Scripted()) == {"order of u in L2 in [1.85, 2.15]": Verdict.PASS, "mass conserved": Verdict.PASS}
-    assert verdicts(Plain()) == {"order of u in L2 in [1.85, 2.15]": Verdict.PASS}
+    assert verdicts(Scripted()) == {"order of u in L2-max in [1.85, 2.15]": Verdict.PASS, "mass conserved": Verdict.PASS}
+    assert verdicts(Plain()) == {"order of u in L2-max in [1.85, 2.15]": Verdict.PASS}
 
 
 @pytest.mark.parametrize("claimed", [1.0, 1.7, 2.3, 3.0])
@@ -199,10 +204,22 @@ def test_a_missing_quantity_or_history_is_an_error():
     assert verdicts(Forgetful())["mass conserved"] is Verdict.ERROR
 
 
-@pytest.mark.parametrize("criterion", [Balance("momentum", "impulse", "s"), EnergyDrift(1.8, "s"), EnergyConserved("s")])
+ENERGIES = {"kinetic_energy", "strain_energy", "external_work"}
+
+
+@pytest.mark.parametrize(
+    ("criterion", "needed"),
+    [
+        (Balance("momentum", "impulse", "s"), {"momentum", "impulse"}),
+        (Balance("angular_momentum", "", "s"), {"angular_momentum"}),
+        (ExactTotal("momentum", "s"), {"momentum"}),
+        (ExactTotal("angular_momentum", "s"), {"angular_momentum"}),
+        (EnergyDrift(1.8, "s"), ENERGIES),
+        (EnergyConserved("s"), ENERGIES),
+    ],
+)
 @pytest.mark.parametrize("stored", [False, True])
-def test_the_reason_names_the_history_that_the_solver_does_not_return(criterion, stored, tmp_path):
-    needed = {"momentum", "impulse"} if isinstance(criterion, Balance) else {"kinetic_energy", "strain_energy", "external_work"}
+def test_the_reason_names_the_history_that_the_solver_does_not_return(criterion, needed, stored, tmp_path):
     if stored:
         (judged,) = run([study(criteria=(criterion,))], plan(tmp_path))
         finding = judged.findings[0]
@@ -211,6 +228,36 @@ def test_the_reason_names_the_history_that_the_solver_does_not_return(criterion,
     assert finding.verdict is Verdict.ERROR
     assert "was not measured on this series: the solver does not return it" in finding.reason
     assert all(f"'{name}'" in finding.reason for name in needed)
+
+
+def test_the_reason_names_the_fields_that_both_solutions_have():
+    (finding,) = verify(Scripted(), HILL, criteria=[Order("velocity", "L2", 1, 3, "ours")])
+    cause = "'velocity' was not measured on this series: the solver does not return it, the exact solution does not have it (both have u)"
+    assert finding.reason.startswith(cause)
+    (finding,) = verify(Scripted(), HILL, criteria=[Dispersion("tg-lumped", "velocity", 1.0, 1e-9, "ours")])
+    assert "made of the field 'velocity' of a bar at every time step, was not measured on this series" in finding.reason
+
+
+def test_the_advice_to_an_unstable_run_holds_for_a_scalar_that_has_no_energy():
+    assert all("energy" not in advice for advice in ADVICE.values())
+
+
+def test_a_solver_may_declare_another_order_of_coarse_levels():
+    @dataclass(frozen=True)
+    class Falling(Claiming):
+        claimed: float = 1.0
+
+        @property
+        def coarse_orders(self):
+            return {"u": 2.5}
+
+    assert verdicts(Falling()) == {"order of u in L2-max in [0.85, 2.65]": Verdict.PASS, "mass conserved": Verdict.PASS}
+
+
+def test_a_case_may_know_that_its_orders_scatter():
+    (case,) = HILL.cases
+    scattered = replace(HILL, cases=(replace(case, margin=0.3),))
+    assert [f.criterion for f in verify(Plain(), scattered)] == ["order of u in L2-max in [1.7, 2.3]"]
 
 
 def test_an_order_is_inconclusive_for_zero_errors_or_two_levels():
@@ -298,8 +345,9 @@ def test_declared_orders_need_a_ladder_in_h_at_one_courant_number(refinement):
 
 
 def test_a_design_is_refused_and_by_default_the_first_ladder_in_h_is_used():
+    sources = studies.get("error-sources")
     with pytest.raises(UsageError, match="'3 h x 4 dt' on case 'h-and-dt' is not a ladder in h"):
-        verify(MaterialPoint(), studies.get("error-sources"), "h-and-dt")
+        verify(MaterialPoint(), sources, "h-and-dt", refinement=sources.cases[0].series[0].refinement)
     (case,) = HILL.cases
     both = (replace(case.series[0], refinement=design(1.0, cells=(8, 16), courant=(0.5, 0.25))), *case.series)
     found = verify(Plain(), replace(HILL, cases=(replace(case, series=both),)))
@@ -338,3 +386,26 @@ def test_levels_that_differ_in_the_seed_alone_are_judged_by_what_needs_no_order(
         Plain(), HILL, refinement=Refinement("seeds", levels, 2), criteria=[Balance("mass", "", "conservation form")]
     )
     assert [finding.verdict for finding in found] == [Verdict.PASS]
+
+
+# What a case knows of its problem.
+
+
+def test_a_case_names_the_norm_of_its_fields():
+    (case,) = HILL.cases
+    assert case.norm == "L2-max"
+    assert [f.criterion for f in verify(Plain(), replace(HILL, cases=(replace(case, norm="L2"),)))] == [
+        "order of u in L2 in [1.85, 2.15]"
+    ]
+    step = studies.get("elastic-bar").cases[0]
+    assert step.norm == "L1"
+    for wrong, norm in ((case, "L3"), (step, "L2")):
+        with pytest.raises(UsageError, match=f"cannot be judged in the norm '{norm}': choose "):
+            replace(wrong, norm=norm)
+
+
+def test_a_case_may_name_the_ladder_of_strangers():
+    (case,) = HILL.cases
+    named = replace(HILL, cases=(replace(case, ladder=halving(1.0, 16, quick=4, full=4, courant=0.25)),))
+    assert {(f.refinement, f.verdict) for f in verify(Plain(), named)} == {("nu_C=0.25", Verdict.PASS)}
+    assert {f.refinement for f in verify(Plain(), named, refinement=ladder())} == {ladder().label}

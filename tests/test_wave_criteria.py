@@ -8,13 +8,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import AmplitudeDecay, Dispersion, FrontPosition, PhaseError
 from mpmverify.criteria.criterion import Setting
+from mpmverify.criteria.evidence import Evidence
+from mpmverify.criteria.metrics import Metrics
 from mpmverify.errors import UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
 from mpmverify.exact.dispersion import RELATIONS
 from mpmverify.exact.elastic_bar import StepLoad, elastic_bar
 from mpmverify.exact.vibration import axial_vibration
+from mpmverify.judgement.findings import judge_criterion
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Solution, Work
 
@@ -76,6 +80,13 @@ def test_front_lag_is_the_distance_of_the_delay(delay, kind, seed):
     assert math.isfinite(theory)
 
 
+def judged(criterion, measured) -> tuple[Verdict, str]:
+    """Verdict on one level on which this was measured."""
+    one = np.ones(1)
+    metrics = Metrics({name: np.array([value]) for name, value in measured.items()})
+    return judge_criterion(criterion, Evidence(0.2 * one, one, one, one.astype(int), ("completed",), metrics=metrics))
+
+
 def with_constant(solution, value):
     (quantity,) = solution.fields
     fields = {quantity: np.full_like(solution.fields[quantity], value)}
@@ -83,11 +94,21 @@ def with_constant(solution, value):
 
 
 @pytest.mark.parametrize("criterion", [PHASE, DECAY, FRONT])
-@pytest.mark.parametrize("value", [0.0, np.nan, np.inf])
-def test_zero_and_non_finite_solutions_have_no_finite_error(criterion, value):
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_non_finite_solutions_have_no_finite_error(criterion, value):
     problem = advection(Step() if criterion is FRONT else Gaussian())
     found = criterion.measure(with_constant(late(problem, "u"), value), setting(problem))
     assert not math.isfinite(found[criterion.metrics[0] if criterion is FRONT else criterion.metric])
+
+
+@pytest.mark.parametrize(
+    ("criterion", "sentence"),
+    [(PHASE, "no wave of u is found"), (DECAY, "no wave of u is found"), (FRONT, "no front of u is found")],
+)
+def test_a_wave_that_is_not_found_is_a_failure_that_says_so_and_not_a_missing_field(criterion, sentence):
+    problem = advection(Step() if criterion is FRONT else Gaussian())
+    found = judged(criterion, criterion.measure(with_constant(late(problem, "u"), 0.0), setting(problem)))
+    assert found == (Verdict.FAIL, f"{sentence} at h=0.2")
 
 
 @pytest.mark.parametrize("criterion", [PHASE, DECAY, FRONT])
@@ -97,10 +118,10 @@ def test_an_absent_quantity_is_not_measured(criterion):
     assert criterion.measure(dataclasses.replace(late(problem, "u"), fields={}), setting(problem)) == {}
 
 
-def test_the_decay_is_nan_for_a_bar_initially_at_rest():
+def test_a_bar_initially_at_rest_has_no_wave_that_decays():
     problem = elastic_bar(StepLoad())
-    (decay,) = dataclasses.replace(DECAY, quantity="stress").measure(late(problem, "stress"), setting(problem)).values()
-    assert math.isnan(decay)
+    (name,) = dataclasses.replace(DECAY, quantity="stress").measure(late(problem, "stress"), setting(problem))
+    assert name == "amplitude_decay_stress_absent"
 
 
 # Dispersion.
@@ -153,10 +174,17 @@ def test_the_relation_depends_on_the_particles_per_cell():
     assert dispersion(scheme).measure(oscillating(scheme), other)["dispersion_defect_stress"] > 1e-3
 
 
-@pytest.mark.parametrize("value", [0.0, 1.0, np.nan, np.inf])
-def test_the_defect_is_nan_without_an_oscillation(value):
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_the_defect_of_a_non_finite_field_is_nan(value):
     found = dispersion("tg-lumped").measure(with_constant(oscillating("tg-lumped"), value), LEVEL)
     assert math.isnan(found["dispersion_defect_stress"])
+
+
+@pytest.mark.parametrize("value", [0.0, 1.0])
+def test_a_mode_that_does_not_oscillate_is_a_failure_that_says_so(value):
+    criterion = dispersion("tg-lumped")
+    found = judged(criterion, criterion.measure(with_constant(oscillating("tg-lumped"), value), LEVEL))
+    assert found == (Verdict.FAIL, "the mode of stress does not oscillate at h=0.2")
 
 
 def test_an_unknown_relation_is_named():

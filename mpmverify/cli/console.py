@@ -9,7 +9,7 @@ from mpmverify.convergence.verdict import Judgement, Verdict
 
 STYLES = {Verdict.PASS: "green", Verdict.INCONCLUSIVE: "yellow", Verdict.FAIL: "bold red", Verdict.ERROR: "bold magenta"}
 WIDTH = 200
-"""Width where the output is no terminal: room for nine studies and the longest solver names."""
+"""Width where the output is no terminal."""
 
 
 def console() -> Console:

@@ -1,31 +1,65 @@
-"""What the command line shows of findings: the matrix of solvers and studies, then the findings that did not pass."""
+"""What the command line shows of findings: a line of counts for each study as it is judged, then the findings that did not pass."""
 
 from collections.abc import Sequence
 
+from rich.console import Console
 from rich.markup import escape
-from rich.table import Column, Table
+from rich.text import Text
 
-from mpmverify.cli.console import STYLES, console
+from mpmverify.cli.console import STYLES
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.judgement.findings import Finding
-from mpmverify.judgement.summary import counts, matrix, ranked
+from mpmverify.judgement.summary import KNOWN_LIMIT, counts, ranked, tally
 
 LISTED = 20
-"""Findings listed below the matrix unless all are asked for."""
+"""Findings listed below the table unless all are asked for."""
 
 
-def show(findings: Sequence[Finding], *, explain: bool = False) -> None:
-    """Print the matrix of solver by study, then what is no PASS (with `explain`, everything), with the reason."""
-    output = console()
-    studies = list(dict.fromkeys(finding.study for finding in findings))
-    table = Table(Column("solver", overflow="fold"), *(escape(study) for study in studies))
-    for solver, row in matrix(findings).items():
-        table.add_row(escape(solver), *(f"[{STYLES[row[s]]}]{row[s]}[/]" if s in row else "[dim]-[/]" for s in studies))
-    output.print(table)
+class StudyTable:
+    """Numbers of verdicts and seconds of studies: aligned lines, each printed when its study is judged.
+
+    Parameters
+    ----------
+    output : Console
+    studies : sequence of str
+        All studies that may come.
+    timed : bool
+        Whether there is a column of seconds.
+    """
+
+    def __init__(self, output: Console, studies: Sequence[str], *, timed: bool = False) -> None:
+        self._output = output
+        self._columns = [*tally(())] + (["seconds"] if timed else [])
+        self._first = max(map(len, ("study", *studies)))
+        self._begun = False
+
+    def add(self, study: str, findings: Sequence[Finding], seconds: float | None = None) -> None:
+        """Print the line of a study, with its time [s] if there is a column for it."""
+        if not self._begun:  # with the first line, since there may be an error before it
+            self._print("study", [Text(name) for name in self._columns], "bold")
+            self._begun = True
+        counted = tally(findings).items()
+        cells = [Text(str(count), _style(column) if count else "dim") for column, count in counted]
+        self._print(study, cells + ([] if seconds is None else [Text(f"{seconds:.1f}")]))
+
+    def _print(self, study: str, cells: Sequence[Text], style: str = "") -> None:
+        line = Text(study.ljust(self._first), style)
+        for name, cell in zip(self._columns, cells, strict=True):
+            line += Text(" " * (2 + max(len(name), 5) - len(cell))) + cell
+        self._output.print(line, soft_wrap=True)
+
+
+def _style(column: str) -> str:
+    return STYLES[Verdict.PASS if column == KNOWN_LIMIT else Verdict(column)]
+
+
+def show(output: Console, findings: Sequence[Finding], *, explain: bool = False) -> None:
+    """Print what is no PASS (with `explain`, everything), with the reason, and the number of findings of each verdict."""
     listed = list(findings) if explain else ranked(findings)[:LISTED]
     for finding in listed:
         output.print(
-            f"[{STYLES[finding.verdict]}]{finding.verdict}[/]",
-            escape(str(finding).removeprefix(finding.verdict).strip()),
+            f"[{STYLES[finding.verdict]}]{finding.word}[/]",
+            escape(str(finding).removeprefix(finding.word).strip()),
             highlight=False,
         )
         if explain:

@@ -1,6 +1,5 @@
 """Progress of runs on the terminal."""
 
-import sys
 from types import TracebackType
 
 from rich.console import Console
@@ -9,12 +8,19 @@ from rich.progress import Progress as Bars
 
 
 class Progress:
-    """Bars when the output is a terminal, plain lines otherwise, nothing when there is nothing to wait for."""
+    """A bar for each study at work, below what is printed meanwhile; without a terminal, plain lines on standard error alone.
 
-    def __init__(self) -> None:
-        console = Console(stderr=True)
+    Parameters
+    ----------
+    console : Console
+        Where the bars are; lines that are printed to it go above them.
+    """
+
+    def __init__(self, console: Console) -> None:
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-        self._bars = Bars(*columns, console=console) if console.is_terminal else None
+        bars = Bars(*columns, console=console, redirect_stdout=False, redirect_stderr=False)
+        self._console = console
+        self._bars = bars if console.is_terminal else None
         self._tasks: dict[str, TaskID] = {}
 
     def __enter__(self) -> "Progress":
@@ -31,5 +37,8 @@ class Progress:
             if study not in self._tasks:
                 self._tasks[study] = self._bars.add_task(study, total=total)
             self._bars.update(self._tasks[study], completed=done)
-        elif done == total:
-            print(f"{study}: {total} runs", file=sys.stderr)
+            if done == total:
+                self._bars.remove_task(self._tasks.pop(study))
+                self._bars.refresh()  # or else the next line that is printed draws it again
+        elif self._console.stderr and done == total:
+            self._console.print(f"{study}: {total} runs", highlight=False, markup=False)

@@ -3,6 +3,7 @@
 import os
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -18,6 +19,9 @@ from mpmverify.cli.options import (
 )
 from mpmverify.cli.results import accepted, shipped_baseline, show_report, stored
 from mpmverify.errors import UsageError
+
+if TYPE_CHECKING:
+    from mpmverify.judgement.findings import Finding
 
 
 @click.command(epilog=EPILOG)
@@ -46,18 +50,25 @@ def gate(
 
     On GitHub ($GITHUB_ACTIONS is "true") the worst ten findings become annotations.
     """
-    from mpmverify.cli.findings import show
+    from mpmverify.cli.console import console
+    from mpmverify.cli.findings import StudyTable, show
     from mpmverify.convergence.verdict import exit_status
     from mpmverify.execution import gate as stored_studies
     from mpmverify.judgement import summary as summaries
 
     known = accepted(baseline)
-    findings = [finding for path in stored(out, studies) for finding in stored_studies.gate(path, known)]
+    paths, output = stored(out, studies), console()
+    table = StudyTable(output, [path.stem for path in paths])
+    findings: list[Finding] = []
+    for path in paths:
+        judged = stored_studies.gate(path, known)
+        table.add(path.stem, judged)
+        findings += judged
     if junit:
         summaries.write_junit(junit, findings)
     if summary and not summaries.append_markdown(summary, findings):
         click.echo(f"'{summary}' is full: no verdicts were added to it.", err=True)
-    show(findings, explain=explain)
+    show(output, findings, explain=explain)
     if os.environ.get("GITHUB_ACTIONS") == "true":
         click.echo("".join(f"{command}\n" for command in summaries.annotations(findings, out)), nl=False)
     sys.exit(exit_status([finding.verdict for finding in findings], strict=strict))

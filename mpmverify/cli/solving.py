@@ -34,7 +34,7 @@ def list_() -> None:
         study = studies.get(name)
         click.echo(f"{name}: {study.title}")
         click.echo(f"  cases    {', '.join(case.name for case in study.cases)}")
-        click.echo(f"  solvers  {', '.join(study.solver_names())}")
+        click.echo(f"  solvers  {', '.join(study.solvers())}")
 
 
 @click.command(epilog=EPILOG)
@@ -68,7 +68,8 @@ def run(
 
     Without STUDY, all studies run.
     """
-    from mpmverify.cli.findings import show
+    from mpmverify.cli.console import console
+    from mpmverify.cli.findings import StudyTable, show
     from mpmverify.cli.progress import Progress
     from mpmverify.convergence.verdict import exit_status
     from mpmverify.dataset.files import Results
@@ -89,12 +90,15 @@ def run(
     names = [study.name for study in chosen]
     findings: list[Finding] = []
     solved = reused = 0
-    with Progress() as progress:
+    output = console()
+    table = StudyTable(output, names, timed=True)
+    with Progress(output) as progress:
         for judged in run_studies(chosen, plan, progress.update):
+            table.add(judged.study, judged.findings, judged.seconds)
             findings += judged.findings
             solved, reused = solved + judged.solved, reused + judged.reused
     findings.sort(key=lambda finding: names.index(finding.study))
-    show(findings, explain=explain)
+    show(output, findings, explain=explain)
     click.echo(f"{solved} runs solved, {reused} already at hand.")
     show_report(plan.results, opened=open_)  # last: the verdicts are shown even when no report can be written
     sys.exit(exit_status([finding.verdict for finding in findings]))
@@ -117,6 +121,8 @@ def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, expl
 
     What is known of a fault is kept: an interrupted self-test goes on where it was.
     """
+    from rich.console import Console
+
     from mpmverify import solvers, studies
     from mpmverify.cli.kill_table import show_selftest
     from mpmverify.cli.progress import Progress
@@ -128,7 +134,7 @@ def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, expl
     results, known = Results(out), accepted(baseline)
     results.create()
     sources = Path(solvers.__file__).parent
-    with Progress() as progress:
+    with Progress(Console(stderr=True)) as progress:
         test = Session(results, studies.get, sources, known, tier, jobs or processors()).run(progress.update)
     write_selftest(results.selftest, test)
     show_selftest(test, explain=explain)
@@ -140,7 +146,7 @@ def _chosen(names: Sequence[str], solvers: tuple[str, ...], courant: float | Non
     from mpmverify import studies
 
     declared = [studies.get(name) for name in dict.fromkeys(names or studies.NAMES)]
-    known = {solver for study in declared for solver in study.solver_names()}
+    known = {solver for study in declared for solver in study.solvers()}
     for solver in solvers:
         if solver not in known:
             raise UsageError(f"unknown solver {solver!r}: choose from {', '.join(sorted(known))}")

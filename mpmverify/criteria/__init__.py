@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mpmverify.criteria.criterion import Criterion
-from mpmverify.criteria.errors import Exact, Order, Published, Stall
+from mpmverify.criteria.errors import Exact, Order, Published, Reproduced, Size, Stall
 from mpmverify.criteria.evidence import SeriesId
 from mpmverify.criteria.field_sums import FieldSums
-from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift
+from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift, ExactTotal
 from mpmverify.criteria.modes import Amplification
 from mpmverify.criteria.outcomes import Unstable
 from mpmverify.criteria.sources import Separated
@@ -30,12 +30,15 @@ __all__ = [
     "EnergyDecays",
     "EnergyDrift",
     "Exact",
+    "ExactTotal",
     "FieldSums",
     "FrontPosition",
     "Order",
     "PhaseError",
     "Published",
+    "Reproduced",
     "Separated",
+    "Size",
     "StabilityLimit",
     "Stall",
     "Unstable",
@@ -46,11 +49,14 @@ CRITERIA: Mapping[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         Order,
+        Size,
         Stall,
         Exact,
         Published,
+        Reproduced,
         Separated,
         Balance,
+        ExactTotal,
         FieldSums,
         EnergyDrift,
         EnergyConserved,

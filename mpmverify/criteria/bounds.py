@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from mpmverify.convergence.verdict import Judgement, Verdict
+from mpmverify.criteria.evidence import absent
 from mpmverify.problem import Array
 
 
@@ -14,9 +15,11 @@ def finite_and_non_negative(values: Array) -> bool:
 
 
 def relative_defect(metric: str, defect: Array, scale: float) -> Mapping[str, float]:
-    """Largest magnitude of a defect, relative to its scale; empty if there are fewer than two samples or the scale is zero."""
-    if len(defect) < 2 or scale == 0:
+    """Largest magnitude of a defect, relative to its scale; empty if there are fewer than two samples, `absent` if the scale is zero."""
+    if len(defect) < 2:
         return {}
+    if scale == 0:
+        return {absent(metric): 1.0}
     return {metric: float(np.max(np.abs(defect)) / scale) if np.isfinite(scale) else np.nan}
 
 

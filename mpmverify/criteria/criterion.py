@@ -1,11 +1,12 @@
 """Protocol of a criterion: it measures quantities on each solution and judges the evidence of a series."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from mpmverify.convergence.verdict import Judgement
 from mpmverify.criteria.evidence import Evidence
+from mpmverify.criteria.norms import NORMS
 from mpmverify.exact import VerificationProblem
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Solution
@@ -42,13 +43,28 @@ class OnOutcomes:
 
 
 class OnLimits:
-    """Base class of criteria that expect a limit of the scheme (a stall or an instability): their series have no regression verdict.
+    """Base class of criteria that expect a known limit of the scheme, a stall or an instability.
 
-    The errors of such series are not reproducible. Cell crossings of particles amplify differences in round-off between compilers,
-    an unstable run has no error, and at the stability limit round-off determines the amplitude of the growing wave.
+    Their PASS says that the scheme has this limit, and reads as such. They say what of a run is compared with the baseline, because the
+    errors beyond a limit are not as reproducible as others.
     """
 
+    marker: ClassVar[str] = "known limit"
 
-def has_baseline(criteria: Iterable[Criterion]) -> bool:
-    """Whether a series with these criteria is compared with the baseline: no criterion expects a limit of the scheme."""
-    return not any(isinstance(criterion, OnLimits) for criterion in criteria)
+    @property
+    def change(self) -> float:
+        """Relative change of the compared values up to which a run counts as unchanged."""
+        raise NotImplementedError
+
+    def compared(self, evidence: Evidence, level: int) -> Mapping[str, tuple[float, float]]:
+        """Return the values of one level that are compared with the baseline, each with the size to which round-off is relative."""
+        return errors_of_level(evidence, level)
+
+
+def errors_of_level(evidence: Evidence, level: int) -> dict[str, tuple[float, float]]:
+    """Return the error norms of one level by "quantity norm", each with the size of the exact field."""
+    return {
+        f"{quantity} {norm}": (float(table[level, n]), float(evidence.reference[quantity][level, n]))
+        for quantity, table in evidence.error.items()
+        for n, norm in enumerate(NORMS)
+    }

@@ -13,7 +13,6 @@ from mpmverify.convergence.sources import Separation, separate
 from mpmverify.criteria.metrics import Metrics
 from mpmverify.criteria.norms import NORMS
 from mpmverify.problem import Array
-from mpmverify.solution import ADVICE
 
 
 class SeriesId(NamedTuple):
@@ -53,7 +52,7 @@ class Level:
     outcome : str
         "completed", or how the run failed.
     errors : mapping of str to (Array, Array)
-        Error norms and exact norms (norms,) by quantity, in the order of `norms.NORMS` and the unit of the quantity.
+        Error norms, and sizes of the exact field over the run (norms,), by quantity in the order of `norms.NORMS` and in its unit.
     metrics : mapping of str to float
         Measurements of the criteria on the solution, by name.
     """
@@ -92,11 +91,14 @@ class Evidence:
     outcomes : tuple of str
         "completed", or how the run failed, by level.
     error, reference : mapping of str to Array
-        Norms of the error and of the exact field by quantity, (n, norms) in the order of `norms.NORMS` and the unit of the quantity.
+        Norms of the error, and sizes of the exact field over the run, by quantity: (n, norms) in the order of `norms.NORMS` and the
+        unit of the quantity.
     metrics : mapping of str to Array
         Measurements of the criteria on the solutions, (n,) by name.
     jitter, seed : Array, optional
         Largest random displacement of a particle relative to the spacing [1], and its seed (n,); None without displacements.
+    steps : Array, optional
+        Number of time steps that a run made (n,).
     """
 
     h: Array
@@ -109,6 +111,7 @@ class Evidence:
     metrics: Mapping[str, Array] = field(default_factory=dict)
     jitter: Array | None = None
     seed: Array | None = None
+    steps: Array | None = None
     _separations: dict[tuple[tuple[str, ...], str, str], Separation] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -130,8 +133,8 @@ class Evidence:
         """How the incomplete runs failed, with each outcome and each piece of advice once; "" if every run completed."""
         levels: dict[tuple[str, str], list[int]] = {}
         for k, outcome in enumerate(self.outcomes):
-            advice = next((known for known in ADVICE.values() if known and outcome.endswith(f"; {known}")), "")
-            levels.setdefault((advice, outcome.removesuffix(f"; {advice}")), []).append(k)
+            ended, _, advice = outcome.rpartition("; ")
+            levels.setdefault((advice, ended) if ended else ("", outcome), []).append(k)
         sentences: dict[str, list[str]] = {}
         for (advice, outcome), members in levels.items():
             if outcome != "completed":
@@ -157,7 +160,7 @@ class Evidence:
         return axes.sizes(self.h, self.dt, self.ppc)
 
     def relative(self, quantity: str, norm: str) -> Array:
-        """Error relative to the exact norm (n,); absolute where the exact norm is zero, NaN where it is not finite."""
+        """Error relative to the size of the exact field (n,); absolute where that is zero, NaN where it is not finite."""
         k = NORMS.index(norm)
         size = np.where(np.isfinite(self.reference[quantity][:, k]), self.reference[quantity][:, k], np.nan)
         return self.error[quantity][:, k] / np.where(size == 0, 1.0, size)
@@ -189,6 +192,17 @@ class Evidence:
         return self._separations[asked]
 
 
+def absent(metric: str) -> str:
+    """Name of the metric that records, in place of `metric`, that a solution does not have what is measured, such as a front."""
+    return f"{metric}_absent"
+
+
+def first_absent(metric: str, evidence: Evidence) -> str:
+    """Return the name of the first level whose solution does not have what is measured; "" if all have it, or none was looked at."""
+    found = evidence.metrics.get(absent(metric))
+    return "" if found is None else evidence.names[int(np.argmax(found == 1))]
+
+
 def evidence_of(levels: Sequence[Level]) -> Evidence:
     """Collect the evidence of one series.
 
@@ -213,6 +227,7 @@ def evidence_of(levels: Sequence[Level]) -> Evidence:
         ppc=np.array([level.ppc for level in levels]),
         jitter=np.array([level.jitter for level in levels]),
         seed=np.array([level.seed for level in levels]),
+        steps=np.array([level.steps for level in levels]),
         outcomes=tuple(level.outcome for level in levels),
         error={quantity: np.array([level.errors[quantity][0] for level in levels]) for quantity in quantities},
         reference={quantity: np.array([level.errors[quantity][1] for level in levels]) for quantity in quantities},

@@ -14,7 +14,7 @@ from mpmverify.problem import UNITS, Inflow, Outflow, Transport
 from mpmverify.solution import Solver
 
 MARGIN = 0.15
-"""Accepted difference between the observed and the formal order on smooth data."""
+"""Accepted difference between the observed and the formal order on smooth data, unless the case knows another."""
 INVARIANTS = ("mass", "momentum")
 """Quantities that a solver may declare to conserve."""
 THEORY = (
@@ -23,7 +23,7 @@ THEORY = (
 )
 
 
-def order_band(order: float, derivatives: float) -> tuple[float, float]:
+def order_band(order: float, derivatives: float, margin: float = MARGIN) -> tuple[float, float]:
     """Accepted band of the observed order of a scheme: in L2 on smooth data, in L1 if `derivatives` is finite.
 
     Parameters
@@ -32,11 +32,13 @@ def order_band(order: float, derivatives: float) -> tuple[float, float]:
         Formal order p on smooth data.
     derivatives : float
         Number s of derivatives that the exact field has in L1; infinite on smooth data.
+    margin : float
+        Accepted difference m between the observed order and that of theory.
 
     Returns
     -------
     (float, float)
-        p - 0.15 and p + 0.15 on smooth data. On other data the upper edge is at most s p/(p+1) + 0.15, where s p/(p+1) is the order of
+        p - m and p + m on smooth data. On other data the upper edge is at most s p/(p+1) + m, where s p/(p+1) is the order of
         a front smeared over h^(p/(p+1)). The lower edge is at most (s - 1/2) p/(p+1), the order in L2, which is a lower bound of the
         order in L1.
 
@@ -50,10 +52,10 @@ def order_band(order: float, derivatives: float) -> tuple[float, float]:
     Springer, doi:10.1007/BFb0068125
     """
     gain = order / (order + 1)
-    return min(order - MARGIN, (derivatives - 0.5) * gain), min(order, derivatives * gain) + MARGIN
+    return min(order - margin, (derivatives - 0.5) * gain), min(order, derivatives * gain) + margin
 
 
-def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterion, ...]:
+def expectations(solver: Solver, problem: VerificationProblem, norm: str, margin: float = MARGIN) -> tuple[Criterion, ...]:
     """Criteria that follow from the declared orders and invariants of a solver.
 
     Parameters
@@ -61,6 +63,10 @@ def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterio
     solver : Solver
     problem : VerificationProblem
         Its exact solution determines the smoothness of the fields.
+    norm : str
+        Norm in which the orders are judged, as the `Case` of the problem knows it.
+    margin : float
+        Accepted difference between the observed and the formal order on smooth data, as the case knows it.
 
     Returns
     -------
@@ -91,14 +97,19 @@ def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterio
         raise UsageError(
             f"solver {solver.name!r} declares that it conserves the unknown {unknown[0]!r}: choose from {', '.join(INVARIANTS)}"
         )
-    declared = {quantity: order for quantity, order in solver.orders.items() if quantity in problem.exact.fields}
+    coarse = getattr(solver, "coarse_orders", {})
+    declared = {
+        quantity: sorted((order, coarse.get(quantity, order)))
+        for quantity, order in solver.orders.items()
+        if quantity in problem.exact.fields
+    }
     if not declared:
         raise UsageError(
             f"solver {solver.name!r} declares no order of {' or '.join(problem.exact.fields)}, the fields of the problem "
             f"{problem.problem.name!r}: declare an order, or give criteria"
         )
     return (
-        *(_order(quantity, order, problem) for quantity, order in declared.items()),
+        *(_order(quantity, low, high, problem, norm, margin) for quantity, (low, high) in declared.items()),
         *(
             Balance(invariant, source, f"declared by {solver.name}")
             for invariant, source in _sources(problem).items()
@@ -107,13 +118,14 @@ def expectations(solver: Solver, problem: VerificationProblem) -> tuple[Criterio
     )
 
 
-def _order(quantity: str, order: float, problem: VerificationProblem) -> Order:
+def _order(quantity: str, least: float, most: float, problem: VerificationProblem, norm: str, margin: float) -> Order:
     derivatives = _derivatives(quantity, problem)
-    low, high = (round(edge, 3) for edge in order_band(order, derivatives))
-    declared = f"the solver declares order {order:g} of {quantity} on smooth data"
+    low, high = round(order_band(least, derivatives, margin)[0], 3), round(order_band(most, derivatives, margin)[1], 3)
+    order = f"order {least:g}" if least == most else f"an order from {least:g} to {most:g}"
+    declared = f"the solver declares {order} of {quantity} on smooth data"
     if math.isinf(derivatives):
-        return Order(quantity, "L2", low, high, f"{declared}; where it is better than that on this problem, give criteria")
-    return Order(quantity, "L1", low, high, f"{declared}; here s = {derivatives:g}; {THEORY}")
+        return Order(quantity, norm, low, high, f"{declared}; where it is better than that on this problem, give criteria")
+    return Order(quantity, norm, low, high, f"{declared}; here s = {derivatives:g}; {THEORY}")
 
 
 def _derivatives(quantity: str, problem: VerificationProblem) -> float:

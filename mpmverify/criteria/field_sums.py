@@ -110,7 +110,9 @@ def _compared(stock: str, solution: Solution, problem: Problem) -> Mapping[str, 
         return {_lacks(stock, obstacle): 1.0}
     terms, history = _terms(stock, solution, problem), solution.histories[stock][_rows(solution)]
     scale = max(np.max(np.sum(np.abs(terms), axis=1)), np.max(np.abs(history)))
-    return relative_defect(_defect(stock), np.sum(terms, axis=1) - history, scale) or {_lacks(stock, "motion"): 1.0}
+    if len(history) < 2 or scale == 0:
+        return {_lacks(stock, "motion"): 1.0}
+    return relative_defect(_defect(stock), np.sum(terms, axis=1) - history, scale)
 
 
 def _obstacle(stock: str, solution: Solution, problem: Problem) -> str:

@@ -1,4 +1,4 @@
-"""Criteria on histories: conservation of mass, momentum and energy, and the order of the energy drift."""
+"""Criteria on histories: conservation of mass, momentum and energy, closed forms of them, and the order of the energy drift."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,8 @@ from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
 from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.criteria.bounds import finite_and_non_negative, judge_largest, relative_defect
 from mpmverify.criteria.criterion import Setting
-from mpmverify.criteria.evidence import Evidence
+from mpmverify.criteria.evidence import Evidence, first_absent
+from mpmverify.errors import UsageError
 from mpmverify.problem import Array, LinearElastic, components
 from mpmverify.problem.material import KelvinVoigt, Maxwell
 from mpmverify.solution import Solution
@@ -30,8 +31,8 @@ class Balance:
         History that accounts for its change, such as "impulse"; "" if it must stay constant.
     source : str
     bound : float
-        Largest defect relative to the largest magnitude in the two histories. For momentum, sqrt(2 m E_kin) also counts: the scale of
-        the particle momenta, which may cancel in the sum.
+        Largest defect relative to the largest magnitude in the two histories. For momentum, the sum of the magnitudes of the momenta
+        at the sample points also counts: round-off scales with them, even if they cancel.
     """
 
     stock: str
@@ -63,14 +64,75 @@ class Balance:
         start = body.density * problem.measure if isinstance(body, LinearElastic) else stock[0]
         defect = stock - start - (change - change[0])
         scales = [np.max(np.abs(stock)), np.max(np.abs(change))]
-        if self.stock == "momentum" and {"mass", "kinetic_energy"} <= solution.histories.keys():
-            # Round-off scales with the particle momenta, even if these cancel in the sum.
-            mass, kinetic = (np.abs(solution.histories[name]) for name in ("mass", "kinetic_energy"))
-            scales.append(np.sqrt(2 * np.max(mass * kinetic)))
+        if self.stock == "momentum" and isinstance(problem.material, LinearElastic):
+            scales.append(moved_momentum(solution, problem.material.density))
         return relative_defect(self._metric, defect, np.max(scales))
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(self._metric, evidence):
+            return Verdict.ERROR, f"nothing to balance: {self.stock} and all that moves are zero throughout at {where}"
         return judge_largest(evidence.metrics[self._metric], self.bound, "relative defect")
+
+
+@dataclass(frozen=True)
+class ExactTotal:
+    """A history agrees with its closed form after every step, to round-off: the momentum of a loaded body, for example.
+
+    `Balance` compares a momentum with the impulse of the same solver, which a load of the wrong size or direction changes alike.
+
+    Parameters
+    ----------
+    stock : str
+        History, such as "momentum", without a component suffix; a vector must agree in every component.
+    source : str
+    bound : float
+        Largest deviation relative to the largest magnitude of a component of the closed form.
+    """
+
+    stock: str
+    source: str
+    bound: float = 1e-12
+
+    @property
+    def title(self) -> str:
+        return f"{self.stock} exact to {self.bound:g}"
+
+    @property
+    def _metric(self) -> str:
+        return f"{self.stock}_error"
+
+    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
+        """Return the largest relative deviation.
+
+        Raises
+        ------
+        UsageError
+            If the exact solution has no such total, or it is zero throughout.
+        """
+        problem, names = setting.problem.problem, components(self.stock, setting.problem.problem.dimension)
+        if not set(names) <= solution.histories.keys():
+            return {}
+        known = setting.problem.exact.totals.get(self.stock)
+        exact = np.zeros(0) if known is None else known(solution.histories["time"])
+        if not np.any(exact):
+            raise UsageError(f"the exact {self.stock} of {problem.name!r} is unknown or zero throughout: judge it by Balance")
+        defect = np.array([solution.histories[name] for name in names]).T - exact
+        return relative_defect(self._metric, defect, float(np.max(np.abs(exact))))
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        return judge_largest(evidence.metrics[self._metric], self.bound, f"relative error of the {self.stock}")
+
+
+def moved_momentum(solution: Solution, density: float) -> float:
+    """Largest sum over the sample points of |m_p v_p| at an output time, in the unit of the momentum.
+
+    Every solution has what this needs: m_p is the reference density times the first weight, and v_p the field "velocity" or else the
+    change of the position from one output time to the next.
+    """
+    velocity = solution.fields.get("velocity")
+    if velocity is None:
+        velocity = np.diff(solution.position, axis=0) / np.diff(solution.time)[:, None, None]
+    return float(density * np.max(np.linalg.norm(velocity, axis=2) @ solution.weight[0], initial=0.0))
 
 
 DRIFT_ROUND_OFF = 1e-11
@@ -78,6 +140,7 @@ DRIFT_ROUND_OFF = 1e-11
 
 DRIFT, RISE = "energy_drift", "energy_rise"
 """Names of the metrics."""
+NO_ENERGY = "no energy to balance: kinetic and strain energy are zero throughout"
 
 
 def energy_balance(solution: Solution, setting: Setting) -> tuple[Array, float] | None:
@@ -131,6 +194,8 @@ class EnergyDrift:
         return energy_drift(solution, setting)
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(DRIFT, evidence):
+            return Verdict.ERROR, f"{NO_ENERGY} at {where}"
         drift = evidence.metrics[DRIFT]
         if not finite_and_non_negative(drift):
             return Verdict.ERROR, "the energy drift is not finite, or negative, on at least one level"
@@ -164,6 +229,8 @@ class EnergyConserved:
         return energy_drift(solution, setting)
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(DRIFT, evidence):
+            return Verdict.ERROR, f"{NO_ENERGY} at {where}"
         return judge_largest(evidence.metrics[DRIFT], self.bound, "relative energy drift")
 
 
@@ -192,4 +259,6 @@ class EnergyDecays:
         return relative_defect(RISE, total - np.minimum.accumulate(total), scale)
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(RISE, evidence):
+            return Verdict.ERROR, f"{NO_ENERGY} at {where}"
         return judge_largest(evidence.metrics[RISE], self.bound, "relative rise of the energy")

@@ -9,7 +9,7 @@ import numpy as np
 from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.criteria.bounds import judge_largest
 from mpmverify.criteria.criterion import Setting
-from mpmverify.criteria.evidence import Evidence
+from mpmverify.criteria.evidence import Evidence, absent, first_absent
 from mpmverify.exact.amplification import two_step_taylor_galerkin
 from mpmverify.problem import Transport
 from mpmverify.solution import Solution
@@ -45,8 +45,10 @@ class Amplification:
         modes = np.fft.rfft(solution.fields["u"][:, :, 0], axis=1)
         if not np.all(np.isfinite(modes)):
             return {self.metric: np.nan, "amplification_modes": np.nan}
-        if steps[-1] < 1 or not modes[0].any():
+        if steps[-1] < 1:
             return {}
+        if not modes[0].any():
+            return {absent(self.metric): 1.0}
         theta = 2 * np.pi * np.arange(modes.shape[1]) / solution.reference.shape[0]
         h = problem.lengths[0] / solution.reference.shape[0]
         factor = two_step_taylor_galerkin(theta, problem.material.velocity * solution.dt / h, self.passes)
@@ -57,6 +59,8 @@ class Amplification:
         return {self.metric: float(defect.max()), "amplification_modes": float(carried.sum() / len(carried))}
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(self.metric, evidence):
+            return Verdict.FAIL, f"the profile is zero at the start at {where}"
         share = evidence.metrics["amplification_modes"]
         if not np.all((share > 0) & (share <= 1)):
             return Verdict.ERROR, "no Fourier mode was followed on at least one level"

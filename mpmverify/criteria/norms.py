@@ -47,16 +47,31 @@ def norms(values: Array, weight: Array) -> Array:
     -----
     L1 is (sum_p w_p |e_p|) / |Omega| and L2 is sqrt(sum_p w_p |e_p|^2 / |Omega|).
     """
+    one, two, largest = _over_time(values, weight)
+    return np.array([one[-1], two[-1], largest[-1], np.max(two)])
+
+
+def sizes(values: Array, weight: Array) -> Array:
+    """Return the size of an exact field over the whole run by which the errors in all `NORMS` are divided (4,), in its unit.
+
+    It is the largest over the output times of the same norm: L1, L2, Linf and L2. A field that vanishes at the final time has a size.
+    The parameters are those of `norms`.
+    """
+    one, two, largest = np.max(_over_time(values, weight), axis=1)
+    return np.array([one, two, largest, two])
+
+
+def _over_time(values: Array, weight: Array) -> Array:
+    """Return L1, L2 and Linf at every output time (3, T); all NaN for weights that are not valid, see `norms`."""
     measure = weight.sum(axis=-1)
     if not (np.all(weight >= 0) and np.all(np.isfinite(measure) & (measure > 0))):
-        return np.full(len(NORMS), np.nan)
+        return np.full((3, len(weight)), np.nan)
     weight = weight / measure[0]
-    last, last_weight = values[-1:], weight[-1:]
-    return np.array([l1(last, last_weight)[0], l2(last, last_weight)[0], linf(last)[0], np.max(l2(values, weight))])
+    return np.array([l1(values, weight), l2(values, weight), linf(values)])
 
 
 def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, Array]]:
-    """Norms of the error and of the exact field, for each quantity that both the solution and the exact solution have.
+    """Norms of the error and sizes of the exact field, for each quantity that both the solution and the exact solution have.
 
     Parameters
     ----------
@@ -66,7 +81,7 @@ def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, A
     Returns
     -------
     dict of str to (Array, Array)
-        (error norms (4,), exact norms (4,)) in the order of `NORMS` and the unit of the quantity.
+        (error `norms` (4,), `sizes` of the exact field (4,)) in the order of `NORMS` and the unit of the quantity.
 
     Raises
     ------
@@ -93,6 +108,6 @@ def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, A
                 )
             table[quantity] = (
                 norms((solution.fields[quantity] - expected) * entries, solution.weight),
-                norms(expected * entries, solution.weight),
+                sizes(expected * entries, solution.weight),
             )
     return table

@@ -29,6 +29,16 @@ class Unstable(OnOutcomes, OnLimits):
     def title(self) -> str:
         return f"unstable above nu_C = {self.limit:.4g}"
 
+    @property
+    def change(self) -> float:
+        """5 %: the initial data hold the unstable mode, so that its growth, and with it the last step, does not hang on round-off."""
+        return 0.05
+
+    def compared(self, evidence: Evidence, level: int) -> Mapping[str, tuple[float, float]]:
+        """Return the number of steps until the instability is reported: it measures the growth of the mode."""
+        steps = 0.0 if evidence.steps is None else float(evidence.steps[level])
+        return {f"steps until {evidence.outcomes[level].partition(';')[0]}": (steps, steps)}
+
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         return {}
 

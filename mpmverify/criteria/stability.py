@@ -48,6 +48,16 @@ class StabilityLimit(OnLimits):
     def title(self) -> str:
         return f"limit of stability of {self.scheme} to {self.bound:g}"
 
+    @property
+    def change(self) -> float:
+        """Half of the bound, above the resolution of the bisection of 0.1 %."""
+        return self.bound / 2
+
+    def compared(self, evidence: Evidence, level: int) -> Mapping[str, tuple[float, float]]:
+        """Return the measured limit: at it, round-off decides how large the growing wave is, and the error with it."""
+        limit = float(evidence.metrics[self.metrics[0]][level])
+        return {self.metrics[0]: (limit, limit)}
+
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         at = setting.discretisation
         measured = solution.dt * setting.problem.problem.material.wave_speed / at.h

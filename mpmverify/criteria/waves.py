@@ -11,7 +11,7 @@ from mpmverify.convergence import ROUND_OFF, analyse, judge_order
 from mpmverify.convergence.verdict import Judgement, Verdict, worst
 from mpmverify.criteria.bounds import judge_largest
 from mpmverify.criteria.criterion import Setting
-from mpmverify.criteria.evidence import Evidence
+from mpmverify.criteria.evidence import Evidence, absent, first_absent
 from mpmverify.criteria.measurements import amplitude, delay_and_gain, modal_history, step_factor
 from mpmverify.errors import UsageError
 from mpmverify.exact.dispersion import RELATIONS, front_lag, leading_errors
@@ -84,11 +84,15 @@ class Dispersion:
         (theory,) = RELATIONS[self.relation](np.array([k * h]), c * solution.dt / h, setting.discretisation.ppc)
         values, weight = solution.fields[self.quantity][:, :, 0], solution.weight[0]
         found = step_factor(modal_history(values, solution.reference[:, 0], weight, k))
+        if np.isnan(found) and np.all(np.isfinite(values)):
+            return {absent(self.metrics[0]): 1.0}
         defect = abs(np.log(found) - np.log(theory)) / abs(np.log(theory))
         table = (defect, k * h, np.angle(found) / exact, np.angle(theory) / exact)
         return {name: float(value) for name, value in zip(self.metrics, table, strict=True)}
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(self.metrics[0], evidence):
+            return Verdict.FAIL, f"the mode of {self.quantity} does not oscillate at {where}"
         defect, angle = (evidence.metrics[name] for name in self.metrics[:2])
         if not np.all((angle > 0) & (angle < np.pi)):
             return Verdict.ERROR, "a mode is not resolved: k h must lie between 0 and pi"
@@ -153,7 +157,12 @@ class LeadingTerm:
 
     def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
         exact = closed_form(self.quantity, solution, setting)
-        return {} if exact is None else {self.metric: self.error(solution, exact)}
+        if exact is None:
+            return {}
+        error = self.error(solution, exact)
+        if math.isnan(error) and np.all(np.isfinite(solution.fields[self.quantity])):
+            return {absent(self.metric): 1.0}
+        return {self.metric: error}
 
     def error(self, solution: Solution, exact: ClosedForm) -> float:
         """Return the signed error of a solution; NaN if a value is not finite or there is no wave."""
@@ -165,6 +174,8 @@ class LeadingTerm:
         raise NotImplementedError
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(self.metric, evidence):
+            return Verdict.FAIL, f"no wave of {self.quantity} is found at {where}"
         error = evidence.metrics[self.metric]
         verdict, reason = judge_order(analyse(evidence.h, np.abs(error)), self.order - self.slack, self.order + self.slack)
         finest = np.argmin(evidence.h)
@@ -270,9 +281,13 @@ class FrontPosition:
         lag = math.copysign(1.0, place - before) * (place - found) / at.h if place != before else math.nan
         courant = setting.problem.problem.material.wave_speed * solution.dt / at.h
         theory = front_lag(self.relation, courant, round(end / solution.dt), at.ppc)
+        if math.isnan(lag) and np.all(np.isfinite(solution.fields[self.quantity])):
+            return {absent(self.metrics[0]): 1.0}
         return dict(zip(self.metrics, (lag, theory), strict=True))
 
     def judge(self, evidence: Evidence) -> Judgement:
+        if where := first_absent(self.metrics[0], evidence):
+            return Verdict.FAIL, f"no front of {self.quantity} is found at {where}"
         lag, theory = (evidence.metrics[name] for name in self.metrics)
         finest = np.argmin(evidence.h)
         verdict, reason = judge_largest(np.abs(lag - theory), self.cells, "deviation in cells")

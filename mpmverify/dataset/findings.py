@@ -12,7 +12,7 @@ from mpmverify.judgement.findings import Finding
 
 LACKING = "lacking"
 """Attribute of a study's file: the finding on baseline entries that were not run, as JSON."""
-COLUMNS = ("case", "refinement", "gate", "criterion", "verdict", "reason", "source")
+COLUMNS = ("case", "refinement", "gate", "criterion", "verdict", "reason", "source", "limit")
 
 
 def with_findings(dataset: xr.Dataset, findings: Sequence[Finding]) -> xr.Dataset:

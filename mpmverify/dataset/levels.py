@@ -35,8 +35,8 @@ def level_table(levels: Sequence[Level]) -> xr.Dataset:
                 error / np.where(size > 0, size, 1.0),
                 {
                     "units": "1",
-                    "long_name": "error relative to the exact norm",
-                    "comment": "absolute where the exact norm is 0",
+                    "long_name": "error relative to the size of the exact field over the run",
+                    "comment": "absolute where that size is 0",
                 },
             ),
             "metric": (
@@ -61,7 +61,7 @@ def level_table(levels: Sequence[Level]) -> xr.Dataset:
             for k, quantity in enumerate(quantities)
             for name, values, of in (
                 ("error_absolute", error, "norm of the error of"),
-                ("exact_norm", size, "norm of the exact"),
+                ("exact_norm", size, "largest norm over the output times of the exact"),
             )
         },
         coords={

@@ -44,6 +44,7 @@ def write_run(path: Path, key: str, solution: Solution, title: str) -> None:
                     "id": key,
                     "status": solution.outcome.status.value,
                     "detail": solution.outcome.detail,
+                    "advice": solution.outcome.advice,
                     "dt": solution.dt,
                     "steps": solution.work.steps,
                     "point_steps": solution.work.point_steps,
@@ -116,7 +117,7 @@ def read_run(path: Path, key: str) -> Solution:
             fields={name: values for name, values in variables.items() if name in UNITS},
             histories={name.removeprefix("history_"): v for name, v in variables.items() if name.startswith("history_")},
             work=Work(int(attributes["steps"]), int(attributes["point_steps"]), float(attributes["seconds"])),
-            outcome=Outcome(Status(attributes["status"]), str(attributes["detail"])),
+            outcome=Outcome(Status(attributes["status"]), str(attributes["detail"]), str(attributes["advice"])),
         )
     except (OSError, RuntimeError, KeyError, ValueError) as error:
         raise ResultsError(f"'{path}' is damaged: delete it and run again") from error

@@ -7,11 +7,10 @@ import xarray as xr
 
 from mpmverify.convergence.verdict import Verdict, worst
 from mpmverify.criteria.evidence import SeriesId, evidence_of
-from mpmverify.criteria.norms import NORMS
 from mpmverify.dataset.fits import read_orders
 from mpmverify.dataset.levels import read_levels
 from mpmverify.dataset.study import parsing, read_tree, solvers, stored_findings
-from mpmverify.judgement.baseline import norms_by_level
+from mpmverify.judgement.baseline import values_by_level
 from mpmverify.judgement.tables import PROVENANCE, Order, Run, SeriesKey, Tables
 
 
@@ -51,12 +50,10 @@ def _tables(tree: xr.DataTree) -> Tables:
             series = SeriesKey(study, *level.series)
             # Each level alone: the evidence of a series omits what one of its levels lacks.
             seen = evidence_of([level])
-            ((name, values),) = norms_by_level(seen)
+            ((name, values),) = values_by_level(seen)
             names.setdefault(level.series, set()).add(name)
             runs[series, name] = Run(level.outcome, level.steps, level.point_steps, level.seconds)
-            for measure, error in values.items():
-                quantity, _, norm = measure.rpartition(" ")
-                errors[series, name, measure] = error, float(seen.reference[quantity][0, NORMS.index(norm)])
+            errors |= {(series, name, measure): error for measure, error in values.items()}
         for (identity, measure), fit in read_orders(dataset, levels).items():
             orders[SeriesKey(study, *identity), measure] = Order(*fit, frozenset(names[identity]))
     verdicts: dict[tuple[SeriesKey, str], Verdict] = {}

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
+from mpmverify.exact.finite_strain import cauchy_stress
 from mpmverify.exact.motion import FieldOf, fields_of, initial_deformation, initial_velocity
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Constant, NeoHookean, Problem, Velocity
@@ -55,6 +56,9 @@ class AxisAligned:
 
     def gradient(self, X: Array, t: Array) -> Array:
         return self.elongation(X, t)[..., None] * np.eye(self.dimension)
+
+    def stress(self, X: Array, t: Array) -> Array:
+        return cauchy_stress(self.material, self.gradient(X, t))
 
     def force(self, X: Array, t: Array) -> Array:
         """Return the body force b_i = pi^2 u_i [mu/rho - c^2 - (lambda (ln J - 1) - mu)/(rho F_ii^2)] (T, P, dim) [m/s^2]."""

@@ -218,6 +218,28 @@ def leading_errors(relation: str, courant: float, ppc: int = 1) -> tuple[float, 
     return float((4 * lag[1] - lag[0]) / 3), float((4 * loss[1] - loss[0]) / 3)
 
 
+def mode_error(relation: str, theta: float, courant: float, steps: int, ppc: int = 1) -> float:
+    """Return the largest error of a mode over some steps, relative to its amplitude: max |z^n - exp(i n nu_C theta)|.
+
+    Parameters
+    ----------
+    relation : str
+        Name in `RELATIONS`.
+    theta : float
+        k h [rad].
+    courant : float
+        nu_C [1].
+    steps : int
+        Number of steps.
+    ppc : int
+        Particles per cell.
+    """
+    (z,) = RELATIONS[relation](np.array([theta]), courant, ppc)
+    n = np.arange(steps + 1)
+    exact = np.exp(1j * math.copysign(courant * theta, np.angle(z)) * n)
+    return float(np.max(np.abs(z**n - exact)))
+
+
 @cache
 def front_lag(relation: str, courant: float, steps: int, ppc: int = 1) -> float:
     """Return the distance, in cells, by which the middle of a numerical front lags behind the exact jump after some steps.

@@ -7,6 +7,7 @@ import numpy as np
 
 from mpmverify.errors import UsageError
 from mpmverify.exact.axis_aligned import CITATION
+from mpmverify.exact.finite_strain import cauchy_stress
 from mpmverify.exact.motion import FieldOf, Motion, fields_of, initial_velocity
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Constant, NeoHookean, Problem, Ring, Traction
@@ -59,6 +60,9 @@ class RadialMotion:
         hoop = (C3 * R**2 + C2 * R + C1)[..., None] * np.eye(2)
         rest = (2 * C3 * R**2 + C2 * R)[..., None] * (e[:, :, None] * e[:, None, :])
         return self.time_factor(t)[..., None] * (hoop + rest)
+
+    def stress(self, X: Array, t: Array) -> Array:
+        return cauchy_stress(self.material, self.gradient(X, t))
 
     def force(self, X: Array, t: Array) -> Array:
         """Return the body force (T, P, 2) [m/s^2].

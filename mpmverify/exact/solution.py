@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mpmverify.problem import Array, Problem
 
 ExactField = Callable[[Array, Array], Array]
 """Closed form: reference positions (P, dim) [m], times (T,) [s] -> values (T, P, components)."""
+Total = Callable[[Array], Array]
+"""Closed form of a sum over the whole body: times (T,) [s] -> values (T, components)."""
 
 
 @dataclass(frozen=True)
@@ -22,11 +24,14 @@ class ExactSolution:
         Source of the formulas.
     derivatives : float
         Regularity: the number s of derivatives in L1 that every field has; 1 for a jump, 2 for a kink, infinite for smooth fields.
+    totals : mapping of str to Total
+        Closed form of histories that are known, such as "momentum" and "angular_momentum", see `Solution`.
     """
 
     fields: Mapping[str, ExactField]
     citation: str
     derivatives: float = math.inf
+    totals: Mapping[str, Total] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

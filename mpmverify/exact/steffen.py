@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
+from mpmverify.exact.finite_strain import cauchy_stress
 from mpmverify.exact.motion import FieldOf, fields_of, initial_deformation
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
 from mpmverify.problem import Array, Constant, NeoHookean, Problem, Velocity
@@ -47,6 +48,9 @@ class FullWave:
         """Return H = 2 pi A cos(2 pi X) cos(c pi t) (T, P, 1, 1) [1]."""
         slope = 2 * np.pi * self.amplitude * np.cos(2 * np.pi * X[None]) * np.cos(self.frequency * t[:, None, None])
         return slope[..., None]
+
+    def stress(self, X: Array, t: Array) -> Array:
+        return cauchy_stress(self.material, self.gradient(X, t))
 
     def force(self, X: Array, t: Array) -> Array:
         """Return the body force b = c^2 pi^2 u (1 + 2/F^2) (T, P, 1) [m/s^2]."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
+from mpmverify.exact.finite_strain import cauchy_stress
 from mpmverify.exact.motion import fields_of
 from mpmverify.exact.ring import free_ring, radial
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
@@ -65,6 +66,9 @@ class VortexMotion:
         rotation = np.sin(angle) * np.array([[0.0, -1.0], [1.0, 0.0]]) - 2 * np.sin(angle / 2) ** 2 * np.eye(2)
         shear = self.twist(R, t) * quarter_turn(X + self.displacement(X, t))
         return rotation + shear[..., :, None] * e[:, None, :]
+
+    def stress(self, X: Array, t: Array) -> Array:
+        return cauchy_stress(self.material, self.gradient(X, t))
 
     def force(self, X: Array, t: Array) -> Array:
         """Return the body force (T, P, 2) [m/s^2].

@@ -70,7 +70,7 @@ def confirmed(solution: Solution) -> Outcome:
     bad = [name for name, values in solution.arrays().items() if not np.all(np.isfinite(values))]
     if outcome.completed and bad:
         return Outcome(Status.NON_FINITE, f"the solver reports completion, but {bad[0]} is not finite")
-    return Outcome(outcome.status, plain(outcome.detail))
+    return Outcome(outcome.status, plain(outcome.detail), plain(outcome.advice))
 
 
 def plain(text: str) -> str:

@@ -1,6 +1,7 @@
 """One run: solved or read back from its file, compared with the exact solution, and measured for the criteria."""
 
 import dataclasses
+import time
 import traceback
 from collections.abc import Hashable
 from dataclasses import dataclass
@@ -101,11 +102,14 @@ class Evaluated:
         Fields and histories for the pages, of a task that is `shown`.
     solved : bool
         Whether the run was solved now, and not read back.
+    seconds : float
+        Wall time of the task, compilation included [s]; 0 when its process died.
     """
 
     level: Level
     snapshots: Snapshots | None = None
     solved: bool = False
+    seconds: float = 0.0
 
 
 def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discretisation) -> str:
@@ -126,9 +130,9 @@ def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discre
     return digest(problem.problem, solver, discretisation)
 
 
-def failed(task: Task, status: Status, detail: str) -> Evaluated:
+def failed(task: Task, status: Status, detail: str, seconds: float = 0.0) -> Evaluated:
     """Result of a run without a solution: it crashed or timed out. Nothing is stored, so that the run is tried again."""
-    return Evaluated(_level(task, Outcome(status, plain(detail))), solved=True)
+    return Evaluated(_level(task, Outcome(status, plain(detail))), solved=True, seconds=seconds)
 
 
 def evaluate(task: Task) -> Evaluated:
@@ -141,6 +145,11 @@ def evaluate(task: Task) -> Evaluated:
     ResultsError
         If a run file is damaged or cannot be written.
     """
+    started = time.perf_counter()
+    return dataclasses.replace(_evaluated(task), seconds=time.perf_counter() - started)
+
+
+def _evaluated(task: Task) -> Evaluated:
     path = Results(task.results).run(task.key)
     solved = not (task.reuse and path.exists())
     try:
@@ -154,7 +163,7 @@ def evaluate(task: Task) -> Evaluated:
             write_run(path, task.key, solution, str(task))
         else:
             solution = read_run(path, task.key)
-        return Evaluated(_compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
+        return Evaluated(compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
     except MpmverifyError:
         raise
     except (Exception, SystemExit) as error:  # a solver under test may raise anything; the other runs must still finish
@@ -174,7 +183,14 @@ def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:
     return Level(*identity, jitter=at.jitter, seed=at.seed, outcome=str(outcome), **measured)
 
 
-def _compare(task: Task, solution: Solution) -> Level:
+def compare(task: Task, solution: Solution) -> Level:
+    """Compare a solution with the exact one, and measure it for the criteria.
+
+    Raises
+    ------
+    UsageError
+        If two criteria measure the same quantity differently.
+    """
     metrics: dict[str, float] = {}
     table = {}
     if solution.outcome.completed:

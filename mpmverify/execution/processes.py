@@ -4,6 +4,7 @@ import os
 from collections import deque
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
+from functools import partial
 
 from mpmverify.errors import UsageError
 from mpmverify.execution.evaluation import Evaluated, Task, evaluate, failed
@@ -55,13 +56,15 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
     if jobs < 1:
         raise UsageError(f"{jobs} worker processes can solve nothing: give at least 1")
     jobs = min(jobs, sum(map(len, waiting.values())))
-    for task, evaluated in Crew(evaluate, _failed, timeout).results(take, jobs):
+    for task, evaluated in Crew(evaluate, partial(_failed, timeout), timeout).results(take, jobs):
         compiled.add(task.kernel)
         yield task, evaluated
 
 
-def _failed(task: Task, failure: Failure, reason: str) -> Evaluated:
-    return failed(task, Status.TIMED_OUT if failure is Failure.TIMED_OUT else Status.CRASHED, reason)
+def _failed(timeout: float, task: Task, failure: Failure, reason: str) -> Evaluated:
+    if failure is Failure.TIMED_OUT:
+        return failed(task, Status.TIMED_OUT, reason, timeout)
+    return failed(task, Status.CRASHED, reason)
 
 
 def _next(waiting: dict[str, deque[Task]], mine: str, taken: AbstractSet[str], compiling: AbstractSet[Hashable]) -> Task:

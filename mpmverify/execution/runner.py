@@ -1,6 +1,7 @@
 """Studies run from their declaration to their judged file; finished runs are read back."""
 
 import math
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -35,12 +36,15 @@ class StudyRun:
     findings : tuple of Finding
     solved, reused : int
         How many runs were solved, and how many were read back.
+    seconds : float
+        Time of its runs, compilation included and summed over the processes, and of its judging [s]; 0 when all of it was at hand.
     """
 
     study: str
     findings: tuple[Finding, ...]
     solved: int
     reused: int
+    seconds: float
 
 
 @dataclass(frozen=True)
@@ -115,6 +119,7 @@ def run(
     UsageError, ResultsError
         On misuse, or when a file of the results folder is damaged or cannot be written.
     """
+    studies = [study.in_tier(plan.tier) for study in studies]
     for study in studies:
         check_storable(study.name, study.criteria())
     plan.results.create()
@@ -128,7 +133,7 @@ def run(
         # Checked even when runs are not reused: a foreign file is named before anything is solved.
         up_to_date = path.exists() and entry.made_from(inputs, path)
         if plan.reuse and up_to_date:
-            yield StudyRun(study.name, entry.findings, 0, len(tasks))
+            yield StudyRun(study.name, entry.findings, 0, len(tasks), 0.0)
         else:
             work[study.name] = tasks
     by_name = {study.name: study for study in studies}
@@ -144,15 +149,16 @@ def run(
 def _evaluate(tasks: list[Task], plan: Plan) -> Iterator[tuple[Task, Evaluated]]:
     at_hand = {id(task) for task in tasks if task.reuse and plan.results.run(task.key).exists()}
     cost = {id(task): 0.0 if id(task) in at_hand else _cost(task) for task in tasks}
-    total: dict[str, float] = {}
+    # Study by study, the cheapest first: its verdicts are there soon. In each the longest run first: no process waits for it at the end.
+    total = {task.study: 0.0 for task in tasks}
     for task in tasks:
-        total[task.study] = total.get(task.study, 0.0) + cost[id(task)]
-    # Study by study: one is judged while the next is solved. The longest run first: no process waits for it at the end.
-    ordered = sorted(tasks, key=lambda task: (total[task.study], task.study, cost[id(task)]), reverse=True)
+        total[task.study] += cost[id(task)]
+    rank = {study: k for k, study in enumerate(sorted(total, key=total.__getitem__))}
+    ordered = sorted(tasks, key=lambda task: (rank[task.study], -cost[id(task)]))
     if plan.scheduler:
         yield from Distributed(plan.scheduler).evaluate(ordered)
     elif plan.jobs == 0 or (len(at_hand) == len(tasks) and len(tasks) <= 50):
-        yield from processes.inline(tasks)
+        yield from processes.inline(ordered)
     else:
         yield from processes.over_processes(ordered, plan.jobs, plan.timeout)
 
@@ -177,6 +183,7 @@ def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence
     """Judge a study whose runs are all finished, and store it."""
     from mpmverify.dataset.study import write_study  # imports xarray, which a run with nothing to do does without
 
+    started = time.perf_counter()
     levels = [entry.level for entry in evaluated]
     evidence = evidence_by_series(levels)
     judged = judge(study.name, study.criteria(), evidence, plan.baseline, study.restricted_to)
@@ -187,4 +194,5 @@ def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence
     write_study(plan.results.study(study.name), study, levels, snapshots, judged, tier=plan.tier, inputs=inputs)
     write_verdicts(plan.results, study.name, inputs, judged.findings)
     solved = sum(entry.solved for entry in evaluated)
-    return StudyRun(study.name, judged.findings, solved, len(evaluated) - solved)
+    seconds = sum(entry.seconds for entry in evaluated) + time.perf_counter() - started
+    return StudyRun(study.name, judged.findings, solved, len(evaluated) - solved, seconds)

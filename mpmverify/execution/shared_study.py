@@ -11,7 +11,6 @@ from pathlib import Path
 
 from mpmverify.atomic import write_atomic
 from mpmverify.convergence.verdict import Verdict
-from mpmverify.criteria.criterion import has_baseline
 from mpmverify.criteria.evidence import SeriesId
 from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.execution.runner import Plan, run
@@ -53,7 +52,7 @@ class SharedStudy:
         tree: dict[str, dict[str, dict[str, list[str]]]] = {}
         for case, series in self.study.series():
             titles = [criterion.title for criterion in series.criteria]
-            if self.gated and has_baseline(series.criteria):
+            if self.gated:
                 titles.append(TITLE)
             refinements = tree.setdefault(case.name, {}).setdefault(series.solver.name, {})
             refinements[series.refinement.label] = list(dict.fromkeys(titles))

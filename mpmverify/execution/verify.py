@@ -38,10 +38,10 @@ def verify(
     case : str
         May be left out when the study has one case.
     refinement : Refinement, optional
-        By default the first ladder of the case; without `criteria`, the first ladder in h at one Courant number, since declared
-        orders hold on such a ladder.
+        By default the ladder that the case names, or else the first of its series; without `criteria`, the first ladder in h at one
+        Courant number, since declared orders hold on such a ladder.
     criteria : sequence of Criterion, optional
-        By default what follows from the solver's declarations; see `expectations`.
+        By default what follows from the solver's declarations, judged in the norm of the case; see `expectations`.
     tier : str
         "quick" or "full".
     timeout : float, optional
@@ -65,8 +65,9 @@ def verify(
     if missing:
         raise UsageError(f"{type(solver).__name__} is not a solver: it lacks {', '.join(missing)}")
     chosen = _case(study, case)
-    demanded = expectations(solver, chosen.problem) if criteria is None else tuple(criteria)
-    ladders = [series.refinement for series in chosen.series] if refinement is None else [refinement]
+    demanded = expectations(solver, chosen.problem, chosen.norm, chosen.margin) if criteria is None else tuple(criteria)
+    given = refinement or chosen.ladder
+    ladders = [given] if given else [series.refinement for series in chosen.series]
     refinement = _in_h(chosen, ladders) if criteria is None else ladders[0]
     if not demanded:
         raise UsageError(f"no criterion is given for solver {solver.name!r} on {chosen.problem.problem.name!r}: give one")

@@ -14,9 +14,8 @@ import numpy as np
 
 from mpmverify.atomic import write_atomic
 from mpmverify.convergence.verdict import Judgement, Verdict
-from mpmverify.criteria.criterion import Criterion, has_baseline
+from mpmverify.criteria.criterion import Criterion, OnLimits, OnOutcomes, errors_of_level
 from mpmverify.criteria.evidence import Evidence, SeriesId
-from mpmverify.criteria.norms import NORMS
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.judgement.findings import Finding
 
@@ -35,7 +34,8 @@ class Baseline:
     ----------
     path : Path
     entries : mapping
-        study -> solver -> "case | refinement" -> level -> "quantity norm" -> absolute error, in the unit of the quantity.
+        study -> solver -> "case | refinement" -> level -> name of a value -> value: "quantity norm" and the absolute error, in the unit of
+        the quantity, or what a criterion on a limit compares.
     accepted : list of mapping
         Date, commit and reason of each acceptance; the newest last.
     """
@@ -52,50 +52,58 @@ class Baseline:
         last = self.accepted[-1]
         return f"baseline accepted on {last['date']}: {last['reason']}"
 
-    def judge(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> Judgement:
+    def judge(
+        self, study: str, solver: str, case: str, refinement: str, evidence: Evidence, criteria: Sequence[Criterion] = ()
+    ) -> Judgement:
         """Compare the error norms of one series with the accepted ones.
+
+        Parameters
+        ----------
+        study, solver, case, refinement : str
+        evidence : Evidence
+        criteria : sequence of Criterion
+            Of the series: one on a limit of the scheme says what is compared, and which change counts as none.
 
         Returns
         -------
         (Verdict, str)
-            FAIL if an error is larger, else INCONCLUSIVE if one is smaller or only one side has it, else PASS; ERROR if a run did not
-            complete or a value is not finite. With the reason.
+            FAIL if an error has changed, for the worse or for the better, else INCONCLUSIVE if only one side has one, else PASS; ERROR
+            if a run did not complete or a value is not finite. With the reason.
         """
-        if evidence.incomplete:
+        if evidence.incomplete and not _expected(criteria):
             return Verdict.ERROR, evidence.incomplete
         accepted = self.entries.get(study, {}).get(solver, {}).get(f"{case} | {refinement}", {})
         worse: list[tuple[float, str]] = []
         better: list[tuple[float, str]] = []
         missing: list[str] = []
         compared = 0
-        for k, (level, values) in enumerate(norms_by_level(evidence)):
+        change = _change(criteria)
+        for level, values in values_by_level(evidence, criteria):
             known = accepted.get(level, {})
             missing.extend(f"{name} at {level}" for name in sorted(values.keys() ^ known.keys()))
-            for name, now in values.items():
-                quantity, _, norm = name.rpartition(" ")
-                size = evidence.reference[quantity][k, NORMS.index(norm)]
+            for name, (now, size) in values.items():
                 then = known.get(name, 0.0)
                 if not np.all(np.isfinite([now, then, size])):
                     return Verdict.ERROR, f"{name} at {level}, its baseline or its exact norm is not finite"
                 if name not in known:
                     continue
                 compared += 1
-                if rose(then, now, size):
+                if rose(then, now, size, change):
                     worse.append((now / max(then, noise(size)), f"{name} at {level} rose from {then:.3e} to {now:.3e}"))
-                elif rose(now, then, size):
+                elif rose(now, then, size, change):
                     better.append((now / then, f"{name} at {level} fell from {then:.3e} to {now:.3e}"))
         if worse:
-            return Verdict.FAIL, f"{max(worse)[1]} ({len(worse)} of {compared} errors are worse)"
+            return Verdict.FAIL, f"{max(worse)[1]} ({len(worse)} of {compared} values rose)"
         if better:
             return (
-                Verdict.INCONCLUSIVE,
-                f"{min(better)[1]} ({len(better)} of {compared} are better): find out why, then accept the baseline",
+                Verdict.FAIL,
+                f"{min(better)[1]} ({len(better)} of {compared} values fell): find out why, then accept the baseline",
             )
         if missing:
             return Verdict.INCONCLUSIVE, f"not in the baseline: {missing[0]} ({len(missing)} in all): accept the baseline"
         if not compared:
-            return Verdict.INCONCLUSIVE, "no error was measured that a baseline could hold"
-        return Verdict.PASS, f"{compared} errors within {RELATIVE:.0%} of the baseline"
+            return Verdict.INCONCLUSIVE, "nothing was measured that a baseline could hold"
+        return Verdict.PASS, f"{compared} values within {change:.2g} of the baseline"
 
     def missing_series(self, study: str, series: Collection[tuple[str, str, str]], restricted_to: str = "") -> Finding | None:
         """Check that the results of a study contain every series of the baseline, so that no study passes by leaving series out.
@@ -128,7 +136,7 @@ class Baseline:
     def accept_study(
         self, study: str, declared: Mapping[SeriesId, Sequence[Criterion]], evidence: Mapping[SeriesId, Evidence]
     ) -> int:
-        """Store the error norms of every series of a study that is compared with a baseline.
+        """Store the error norms of every series of a study, or what its criterion on a limit compares.
 
         Parameters
         ----------
@@ -145,28 +153,29 @@ class Baseline:
         Raises
         ------
         UsageError
-            If a run of such a series did not complete, or an error norm is not finite.
+            If a run did not complete and no criterion expects that, or an error norm is not finite.
         """
-        count = 0
         for series, seen in evidence.items():
-            if not has_baseline(declared.get(series, ())):
-                continue
-            if set(seen.outcomes) != {"completed"} or not all(np.isfinite(table).all() for table in seen.error.values()):
+            criteria = declared.get(series, ())
+            incomplete = set(seen.outcomes) != {"completed"} and not _expected(criteria)
+            if incomplete or not all(np.isfinite(table).all() for table in seen.error.values()):
                 where = f"{study}/{series.case}/{series.solver} ({series.refinement})"
                 raise UsageError(f"{where} did not complete on every level: a baseline accepts completed runs only")
-            self.accept_series(study, series.solver, series.case, series.refinement, seen)
-            count += 1
-        return count
+            self.accept_series(study, series.solver, series.case, series.refinement, seen, criteria)
+        return len(evidence)
 
     def log(self, provenance: Mapping[str, Any], reason: str) -> None:
         """Record the date, the commit and the reason of an acceptance."""
         commit = f"{provenance['commit']} ({provenance['commit_state']})"
         self.accepted.append({"date": provenance["date_created"], "commit": commit, "reason": reason})
 
-    def accept_series(self, study: str, solver: str, case: str, refinement: str, evidence: Evidence) -> None:
-        """Store the error norms of one series; other levels of the series are kept."""
+    def accept_series(
+        self, study: str, solver: str, case: str, refinement: str, evidence: Evidence, criteria: Sequence[Criterion] = ()
+    ) -> None:
+        """Store what is compared of one series; other levels of the series are kept."""
         series = self.entries.setdefault(study, {}).setdefault(solver, {}).setdefault(f"{case} | {refinement}", {})
-        series |= dict(norms_by_level(evidence))
+        for level, values in values_by_level(evidence, criteria):
+            series[level] = {name: value for name, (value, _) in values.items()}
 
     def write(self) -> None:
         """Write the baseline file, sorted, so that changes are readable in version control.
@@ -189,19 +198,28 @@ def noise(size: float) -> float:
     return NOISE * (size or 1.0)
 
 
-def rose(then: float, now: float, size: float) -> bool:
-    """Whether an error norm grew by more than `RELATIVE` and the round-off of an exact norm `size`; False for NaN."""
-    return now > then * (1 + RELATIVE) + noise(size)
+def rose(then: float, now: float, size: float, change: float = RELATIVE) -> bool:
+    """Whether a value grew by more than a relative `change` and the round-off of an exact norm `size`; False for NaN."""
+    return now > then * (1 + change) + noise(size)
 
 
-def norms_by_level(evidence: Evidence) -> Iterator[tuple[str, Mapping[str, float]]]:
-    """Yield the name of each level and its absolute error norms, rounded to seven digits, by "quantity norm"."""
+def _change(criteria: Sequence[Criterion]) -> float:
+    """Relative change that counts as none: the largest that a criterion on a limit of the scheme states, else `RELATIVE`."""
+    return max((criterion.change for criterion in criteria if isinstance(criterion, OnLimits)), default=RELATIVE)
+
+
+def _expected(criteria: Sequence[Criterion]) -> bool:
+    """Whether a criterion expects that runs do not complete."""
+    return any(isinstance(criterion, OnOutcomes) for criterion in criteria)
+
+
+def values_by_level(
+    evidence: Evidence, criteria: Sequence[Criterion] = ()
+) -> Iterator[tuple[str, Mapping[str, tuple[float, float]]]]:
+    """Yield the name of each level and its values, rounded to seven digits and each with its size, by name."""
+    compared = next((criterion.compared for criterion in criteria if isinstance(criterion, OnLimits)), errors_of_level)
     for k, (h, courant, ppc) in enumerate(zip(evidence.h, evidence.courant, evidence.ppc, strict=True)):
-        values = {
-            f"{quantity} {norm}": float(f"{table[k, n]:.6e}")
-            for quantity, table in evidence.error.items()
-            for n, norm in enumerate(NORMS)
-        }
+        values = {name: (float(f"{value:.6e}"), size) for name, (value, size) in compared(evidence, k).items()}
         moved = "" if evidence.jitter is None or not evidence.jitter[k] else f" jitter={evidence.jitter[k]:.9g}"
         seeded = f" seed={evidence.seed[k]}" if moved and evidence.seed is not None else ""
         yield f"h={h:.9g} nu_C={courant:.9g} ppc={ppc}{moved}{seeded}", values

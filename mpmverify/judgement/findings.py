@@ -7,6 +7,7 @@ from typing import Any
 from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.criteria.criterion import Criterion, OnOutcomes
 from mpmverify.criteria.evidence import Evidence
+from mpmverify.criteria.metrics import NotMeasuredError
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class Finding:
         What was measured.
     source : str
         Source of the expectation.
+    limit : str
+        "known limit" if the criterion expects a limit of the scheme, else "".
     """
 
     study: str
@@ -37,6 +40,12 @@ class Finding:
     verdict: Verdict
     reason: str
     source: str
+    limit: str = ""
+
+    @property
+    def word(self) -> str:
+        """The verdict as people read it: to pass by a limit of the scheme is no plain success."""
+        return f"{self.verdict} ({self.limit})" if self.limit and self.verdict is Verdict.PASS else str(self.verdict)
 
     @classmethod
     def of(cls, fields: Mapping[str, Any]) -> "Finding":
@@ -44,7 +53,7 @@ class Finding:
         return cls(**(dict(fields) | {"verdict": Verdict(fields["verdict"])}))
 
     def __str__(self) -> str:
-        return f"{self.verdict} {self.study}/{self.case}/{self.solver} ({self.refinement}): {self.criterion}: {self.reason}"
+        return f"{self.word} {self.study}/{self.case}/{self.solver} ({self.refinement}): {self.criterion}: {self.reason}"
 
 
 def judge_criterion(criterion: Criterion, evidence: Evidence) -> Judgement:
@@ -61,5 +70,13 @@ def judge_criterion(criterion: Criterion, evidence: Evidence) -> Judgement:
     except KeyError as missing:
         return (
             Verdict.ERROR,
-            f"{missing} was not measured on this series: the solver does not return it, it is not finite, or the results are old",
+            f"{missing} was not measured on this series: {_cause(missing, evidence)}, it is not finite, or the results are old",
         )
+
+
+def _cause(missing: KeyError, evidence: Evidence) -> str:
+    """Say why something was not measured: a field is compared with the exact one, which a problem may lack."""
+    if isinstance(missing, NotMeasuredError):
+        return "the solver does not return it"
+    both = ", ".join(evidence.error) or "none"
+    return f"the solver does not return it, the exact solution does not have it (both have {both})"

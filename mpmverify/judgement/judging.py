@@ -7,7 +7,7 @@ from functools import cached_property
 from mpmverify.convergence import Convergence
 from mpmverify.convergence.sources import Separation
 from mpmverify.criteria import Separated
-from mpmverify.criteria.criterion import Criterion, has_baseline
+from mpmverify.criteria.criterion import Criterion, OnLimits
 from mpmverify.criteria.evidence import Evidence, SeriesId
 from mpmverify.criteria.norms import NORMS
 from mpmverify.errors import ResultsError
@@ -101,16 +101,19 @@ def _findings(
     study: str, series: SeriesId, criteria: Sequence[Criterion], seen: Evidence, baseline: regression.Baseline | None
 ) -> tuple[Finding, ...]:
     case, solver, refinement = series
-    judgements = [
-        ("verification", criterion.title, judge_criterion(criterion, seen), criterion.source) for criterion in criteria
+    findings = [
+        Finding(
+            *(study, case, solver, refinement, "verification", criterion.title),
+            *judge_criterion(criterion, seen),
+            criterion.source,
+            criterion.marker if isinstance(criterion, OnLimits) else "",
+        )
+        for criterion in criteria
     ]
-    if baseline and has_baseline(criteria):
-        judgement = baseline.judge(study, solver, case, refinement, seen)
-        judgements.append(("regression", regression.TITLE, judgement, baseline.source))
-    return tuple(
-        Finding(study, case, solver, refinement, gate, title, verdict, reason, source)
-        for gate, title, (verdict, reason), source in judgements
-    )
+    if baseline:
+        judgement = baseline.judge(study, solver, case, refinement, seen, criteria)
+        findings.append(Finding(study, case, solver, refinement, "regression", regression.TITLE, *judgement, baseline.source))
+    return tuple(findings)
 
 
 def _fits(seen: Evidence) -> Fits:

@@ -11,6 +11,8 @@ from mpmverify.convergence.verdict import Verdict, worst
 from mpmverify.errors import UsageError
 from mpmverify.judgement.findings import Finding
 
+KNOWN_LIMIT = "known limit"
+"""Column of the verdicts that a scheme has a limit that is known of it."""
 MARKDOWN_ROWS = 50
 """Largest number of findings listed in a summary."""
 STEP_SUMMARY = 1024 * 1024
@@ -24,12 +26,19 @@ XML_FORBIDDEN = dict.fromkeys({*range(32), *range(0xD800, 0xE000), 0xFFFE, 0xFFF
 MARKDOWN_ESCAPES = str.maketrans({"\\": "\\\\", "|": "\\|", "&": "&amp;", "<": "&lt;", ">": "&gt;"})
 
 
-def matrix(findings: Sequence[Finding]) -> dict[str, dict[str, Verdict]]:
-    """Worst verdict by solver and study."""
-    table: dict[str, dict[str, list[Verdict]]] = {}
+def tally(findings: Sequence[Finding]) -> dict[str, int]:
+    """Number of findings of each verdict, none left out; a PASS on a known limit of a scheme counts by itself, after other ones."""
+    first, *others = map(str, Verdict)
+    count = Counter(KNOWN_LIMIT if finding.word not in (first, *others) else str(finding.verdict) for finding in findings)
+    return {column: count[column] for column in (first, KNOWN_LIMIT, *others)}
+
+
+def by_study(findings: Sequence[Finding]) -> dict[str, list[Finding]]:
+    """Findings of each study."""
+    studies: dict[str, list[Finding]] = {}
     for finding in findings:
-        table.setdefault(finding.solver, {}).setdefault(finding.study, []).append(finding.verdict)
-    return {solver: {study: worst(verdicts) for study, verdicts in row.items()} for solver, row in table.items()}
+        studies.setdefault(finding.study, []).append(finding)
+    return studies
 
 
 def ranked(findings: Sequence[Finding]) -> list[Finding]:
@@ -39,9 +48,10 @@ def ranked(findings: Sequence[Finding]) -> list[Finding]:
 
 
 def counts(findings: Sequence[Finding]) -> str:
-    """Number of findings of each verdict, the worst first, such as "3 FAIL, 40 PASS"."""
-    count = Counter(finding.verdict for finding in findings)
-    return ", ".join(f"{count[verdict]} {verdict}" for verdict in reversed(Verdict) if count[verdict]) or "nothing judged"
+    """Number of findings of each verdict, the worst first, such as "3 FAIL, 2 PASS (known limit), 40 PASS"."""
+    order = list(Verdict)
+    count = Counter((order.index(finding.verdict), finding.word) for finding in findings)
+    return ", ".join(f"{count[key]} {key[1]}" for key in sorted(count, reverse=True)) or "nothing judged"
 
 
 def junit(findings: Sequence[Finding]) -> bytes:
@@ -61,8 +71,7 @@ def junit(findings: Sequence[Finding]) -> bytes:
         }
 
     root = ElementTree.Element("testsuites", {"name": "mpmverify"} | totals(findings))
-    for study in dict.fromkeys(finding.study for finding in findings):
-        mine = [finding for finding in findings if finding.study == study]
+    for study, mine in by_study(findings).items():
         skipped = str(
             sum(finding.verdict is Verdict.INCONCLUSIVE for finding in mine)
         )  # the schemas allow it in <testsuite> only
@@ -117,7 +126,7 @@ def _opened(path: Path, mode: str) -> Iterator[Any]:
 
 
 def markdown(findings: Sequence[Finding], room: int = STEP_SUMMARY) -> str:
-    """Markdown summary: counts, findings other than PASS with their reasons, and the worst verdict of each solver and study.
+    """Markdown summary: counts, findings other than PASS with their reasons, and the counts of each study.
 
     Parameters
     ----------
@@ -132,9 +141,9 @@ def markdown(findings: Sequence[Finding], room: int = STEP_SUMMARY) -> str:
         rows = [(f.verdict, f"{f.study} / {f.case} / {f.solver} ({f.refinement})", f.criterion, f.reason) for f in bad]
         columns = ("verdict", "where", "criterion", "reason")
         text += _table(columns, rows, "in verdicts.json", room - _bytes(text), most=MARKDOWN_ROWS)
-    studies = list(dict.fromkeys(f.study for f in findings))
-    solvers = [(solver, *(cells.get(study, "") for study in studies)) for solver, cells in matrix(findings).items()]
-    text += _table(("solver", *studies), solvers, "solvers", room - _bytes(text))
+    studies = [(study, *(str(count) for count in tally(mine).values())) for study, mine in by_study(findings).items()]
+    if studies:
+        text += _table(("study", *tally(())), studies, "studies", room - _bytes(text))
     return text if _bytes(text) <= room else ""
 
 

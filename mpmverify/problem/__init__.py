@@ -18,11 +18,14 @@ from mpmverify.problem.boundary import (
 )
 from mpmverify.problem.discretisation import Discretisation, output_steps
 from mpmverify.problem.material import LinearElastic, Material, NeoHookean, Transport
-from mpmverify.problem.problem import BodyForce, Field, Problem, Spatial, require
+from mpmverify.problem.particles import GAUSS, REGULAR, Layout, offset, place_particles
+from mpmverify.problem.problem import BodyForce, Field, Problem, Spatial, require, require_body
 from mpmverify.problem.quantities import UNITS, Array, components
 from mpmverify.problem.shapes import Block, Bodies, Disk, Ring, Shape
 
 __all__ = [
+    "GAUSS",
+    "REGULAR",
     "UNITS",
     "Absorbing",
     "Array",
@@ -37,6 +40,7 @@ __all__ = [
     "Fixed",
     "History",
     "Inflow",
+    "Layout",
     "LinearElastic",
     "Material",
     "NeoHookean",
@@ -50,6 +54,9 @@ __all__ = [
     "Transport",
     "Velocity",
     "components",
+    "offset",
     "output_steps",
+    "place_particles",
     "require",
+    "require_body",
 ]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.problem.boundary import BoundaryCondition
+from mpmverify.problem.boundary import BoundaryCondition, Fixed, Periodic, Traction, Velocity
 from mpmverify.problem.material import Material
 from mpmverify.problem.quantities import UNITS, Array, components
 from mpmverify.problem.shapes import Block, Shape, touching
@@ -120,8 +120,36 @@ class Problem:
             return np.asarray(self.initial[quantity](points), dtype=float).reshape(shape)
         return np.zeros(shape)
 
+    def force(self, X: Array, x: Array, t: float) -> Array:
+        """Return the body force (P, dim) [m/s^2] at a time [s], at points with reference positions X and positions x (P, dim) [m]."""
+        if self.body_force is None:
+            return np.zeros(x.shape)
+        force, points = (self.body_force.force, x) if isinstance(self.body_force, Spatial) else (self.body_force, X)
+        return np.asarray(force(points, np.array([t], dtype=float)), dtype=float)[0]
+
 
 def require(condition: Any, solver: str, problem: Problem, what: str) -> None:
     """Raise a `UsageError` that says `what` the solver accepts, unless the condition holds."""
     if not condition:
         raise UsageError(f"solver {solver!r} cannot solve {problem.name!r}: it takes {what}")
+
+
+def require_body(solver: str, problem: Problem) -> None:
+    """Require faces that are held, loaded or periodic, and an initial state that is given as a whole.
+
+    Raises
+    ------
+    UsageError
+        If a face has another condition, one end of an axis alone is joined, a traction acts on a face that no side of a body lies
+        against, or the body begins deformed and one of displacement, displacement gradient and stress is not given.
+    """
+    conditions = problem.boundary.values()
+    taken = all(isinstance(condition, Velocity | Fixed | Traction | Periodic) for condition in conditions)
+    require(taken, solver, problem, "prescribed velocities, tractions and joined ends as boundary conditions")
+    joined = [isinstance(condition, Periodic) for _, condition in sorted(problem.boundary.items())]
+    require(joined[::2] == joined[1::2], solver, problem, "axes of which both ends are joined or neither")
+    loaded = [face for face, c in problem.boundary.items() if isinstance(c, Traction) and c != Traction()]
+    require(all(map(problem.touched, loaded)), solver, problem, "no traction on faces that no side of a body lies against")
+    state = {"displacement", "displacement_gradient", "stress"}
+    whole = f"bodies that begin undeformed, or with all of {', '.join(sorted(state))}"
+    require(state & problem.initial.keys() in (set(), state), solver, problem, whole)

@@ -20,6 +20,7 @@ from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.kill_table import Fate
 from mpmverify.selftest.faults import Edit, Fault
 from mpmverify.selftest.planting import planted, replanted
+from mpmverify.selftest.reach import Lines, reaches
 from mpmverify.selftest.syntax import names
 from mpmverify.solution import Solution, Status
 from mpmverify.study import Study
@@ -74,6 +75,8 @@ class FaultJudge:
         Results folder with the runs of the unmodified solvers.
     scratch : Path
         Parent folder of the temporary folders.
+    lines : tuple of Lines
+        Lines that each trial runs; a fault is tried where it is reached alone.
     """
 
     sources: Path
@@ -81,10 +84,13 @@ class FaultJudge:
     baseline: Baseline
     original: Path
     scratch: Path
+    lines: tuple[Lines, ...]
 
     def judge(self, fault: Fault) -> FaultResult:
-        """Run the trials with the fault until one of them kills it."""
+        """Run the trials that reach the fault until one of them kills it."""
         began = time.perf_counter()
+        if not any(reaches(lines, fault, self.sources) for lines in self.lines):
+            return FaultResult(Fate.NOT_EXERCISED)
         with tempfile.TemporaryDirectory(dir=self.scratch) as folder:
             result = self._run_trials(fault, Path(folder))
             if result.fate is Fate.EQUIVALENT and not self._exercised(fault, Path(folder)):
@@ -95,8 +101,9 @@ class FaultJudge:
         doubtful: Finding | None = None
         regression: Finding | None = None
         deviation = 0.0
+        reached = [lines for lines in zip(self.trials, self.lines, strict=True) if reaches(lines[1], fault, self.sources)]
         with planted(fault, self.sources, folder) as package:
-            for k, trial in enumerate(self.trials, start=1):
+            for k, (trial, _) in enumerate(reached, start=1):
                 results = Results(folder / f"trial-{k}")
                 try:
                     faulty = replanted(trial, package)
@@ -119,9 +126,9 @@ class FaultJudge:
                 doubtful = doubtful or next((f for f in findings if f.verdict is not Verdict.PASS), None)
                 deviation = max(deviation, *self._deviations(trial, faulty, results))
         if regression:
-            return FaultResult(Fate.REGRESSION, regression, deviation=deviation, trials=len(self.trials))
+            return FaultResult(Fate.REGRESSION, regression, deviation=deviation, trials=len(reached))
         fate = Fate.EQUIVALENT if deviation <= ROUND_OFF else Fate.SURVIVED
-        return FaultResult(fate, doubtful, deviation=deviation, trials=len(self.trials))
+        return FaultResult(fate, doubtful, deviation=deviation, trials=len(reached))
 
     def _findings(self, study: Study, results: Results) -> list[Finding]:
         (judged,) = run([study], Plan(results, self.baseline, jobs=0))

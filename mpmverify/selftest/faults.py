@@ -107,3 +107,8 @@ def passage(fault: Fault, sources: Path) -> Passage:
     first, last = text.rfind("\n", 0, begin) + 1, (text + "\n").index("\n", end)
     after = text[first:begin] + edit.new.rstrip("\n") + text[end:last]
     return Passage(edit.file, text.count("\n", 0, begin) + 1, " ".join(text[first:last].split()), " ".join(after.split()))
+
+
+def named(family: str, name: str, *edits: tuple[str, str, str]) -> Fault:
+    """Return a named fault of edits (file, old, new)."""
+    return Fault(family, "named", name, tuple(Edit(*edit) for edit in edits))

@@ -5,12 +5,12 @@ In one dimension, an engineering shear strain used as a tensorial one doubles th
 
 from textwrap import indent
 
-from mpmverify.selftest.faults import Edit, Fault
+from mpmverify.selftest.faults import named
+from mpmverify.selftest.named_in_space import IN_SPACE
 
 MPM, TG, FEM = "mpm", "taylor_galerkin", "fem"
-BASIS, FACES, GRID, HISTORIES, LAW, LAYOUT, LOOP, PASSES, SOLVER, TENSORS = (
-    f"mpm/{name}.py"
-    for name in ("basis", "faces", "grid", "histories", "constitution", "layout", "loop", "passes", "solver", "tensors")
+BASIS, FACES, GRID, HISTORIES, LAW, LOOP, PASSES, SOLVER, TENSORS = (
+    f"mpm/{name}.py" for name in ("basis", "faces", "grid", "histories", "constitution", "loop", "passes", "solver", "tensors")
 )
 AFFINE, DEFORMATION, HYPERELASTIC = "mpm/affine.py", "mpm/deformation.py", "mpm/hyperelastic.py"
 SMALL_STRAIN, SPLINES = "mpm/small_strain.py", "mpm/splines.py"
@@ -41,6 +41,7 @@ REPROJECTED = "            hold_velocity(grid, nodes, faces, n + 1, nodes.projec
 CLEARED, KEEP_MASS = "for c in range(count):", "for c in range(count - len(zero), count):"
 CONSTANTS = "float(material.lame_lambda), float(material.shear_modulus)"
 SWAPPED = "float(material.shear_modulus), float(material.lame_lambda)"
+PLACED = "reference, volume = place_particles(problem, discretisation, self.layout)\n        "
 CONTOUR = "                    R[i, k] -= dt * contour\n"
 ACCOUNT = "                    gain[n + 1, k] -= dt * contour\n"
 MODULUS = "-(material.lame_lambda + 2 * material.shear_modulus)"
@@ -49,71 +50,67 @@ FIRST_KICK = "        u += moved\n        v += dt / 2 * a\n"
 SECOND_KICK = "        u += beta * dt * dt * a\n        v += dt / 2 * a\n"
 
 
-def _fault(family: str, name: str, *edits: tuple[str, str, str]) -> Fault:
-    return Fault(family, "named", name, tuple(Edit(*edit) for edit in edits))
-
-
 HISTORIC = (
-    _fault(
+    named(
         MPM,
         "nodal momentum weighted by the gradient of the shape function",
         (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at.", BY_GRADIENT)),
         (AFFINE, MOMENTUM, MOMENTUM.replace("at.", BY_GRADIENT)),
     ),
-    _fault(
+    named(
         MPM,
         "nodal momentum weighted by the shape function of the other node",
         (PASSES, PROJECTED, MASS_ALONE + PROJECTED_AGAIN.replace("at.", BY_OTHER)),
         (AFFINE, MOMENTUM, MOMENTUM.replace("at.", BY_OTHER)),
     ),
-    _fault(
+    named(
         MPM,
         "strain increment not multiplied by the time step",
         (PASSES, f"USL)):\n{20 * ' '}{STRAINED}", f"USL)):\n{20 * ' '}{TOO_FAR}"),
         (PASSES, f"limits))\n{8 * ' '}{STRAINED}", f"limits))\n{8 * ' '}{TOO_FAR}"),
     ),
-    _fault(
+    named(
         MPM,
         "factor 2 G applied to the engineering shear strain",
         (SMALL_STRAIN, LINEAR, LINEAR.replace("2 * shear", "4 * shear")),
     ),
-    _fault(
+    named(
         MPM,
         "stored particle stress multiplied by the particle volume m/rho",
         (PASSES, "zero))\n            with when((step", "zero))\n" + indent(SCALED, 4 * " ") + "            with when((step"),
         (PASSES, "F, zero))\n    return", "F, zero))\n" + SCALED + "    return"),
     ),
-    _fault(MPM, "essential boundary condition applied to the nodal momentum but not to the force", (GRID, HELD, "")),
-    _fault(
+    named(MPM, "essential boundary condition applied to the nodal momentum but not to the force", (GRID, HELD, "")),
+    named(
         TG, "Gauss point array indexed by the node number", (TG_LOOP, "= 0.5 * (U[e, k] + U[(e + 1) % nodes, k])", "= U[e, k]")
     ),
 )
 """Faults found in the GeHoJerez codes."""
 
 MATERIAL_POINT = (
-    _fault(
+    named(
         MPM, "shear modulus instead of twice the shear modulus", (SMALL_STRAIN, LINEAR, LINEAR.replace("2 * shear", "shear"))
     ),
-    _fault(MPM, "both Lame constants halved", (SMALL_STRAIN, LINEAR, "return shifted(0.5 * lame * trace(eps), shear, eps)")),
-    _fault(MPM, "first Lame constant omitted, linear law", (SMALL_STRAIN, LINEAR, "return shifted(0.0, 2 * shear, eps)")),
-    _fault(
+    named(MPM, "both Lame constants halved", (SMALL_STRAIN, LINEAR, "return shifted(0.5 * lame * trace(eps), shear, eps)")),
+    named(MPM, "first Lame constant omitted, linear law", (SMALL_STRAIN, LINEAR, "return shifted(0.0, 2 * shear, eps)")),
+    named(
         MPM, "shear modulus halved, neo-Hookean law", (HYPERELASTIC, NEO_HOOKEAN, NEO_HOOKEAN.replace("shear", "0.5 * shear"))
     ),
-    _fault(
+    named(
         MPM,
         "first Lame constant omitted, neo-Hookean law",
         (HYPERELASTIC, NEO_HOOKEAN, NEO_HOOKEAN.replace("(lame * log(J) - shear)", "-shear")),
     ),
-    _fault(
+    named(
         MPM,
         "second Piola-Kirchhoff stress used as the first, in one dimension",
         (TENSORS, "full(sigma), cofactor(F)", "full(sigma), tuple(c / F[0] for c in cofactor(F))"),
     ),
-    _fault(MPM, "Lame constants lambda and mu swapped", (LAW, CONSTANTS, SWAPPED)),
-    _fault(MPM, "sign of the internal force reversed", (DEFORMATION, "constant(-V, like)", "constant(V, like)")),
-    _fault(MPM, "particle volume not updated in the updated Lagrangian formulation", (DEFORMATION, VOLUME, "V0")),
-    _fault(MPM, "particle volume updated in the total Lagrangian formulation", (DEFORMATION, VOLUME, "V0 * det(F)")),
-    _fault(
+    named(MPM, "Lame constants lambda and mu swapped", (LAW, CONSTANTS, SWAPPED)),
+    named(MPM, "sign of the internal force reversed", (DEFORMATION, "constant(-V, like)", "constant(V, like)")),
+    named(MPM, "particle volume not updated in the updated Lagrangian formulation", (DEFORMATION, VOLUME, "V0")),
+    named(MPM, "particle volume updated in the total Lagrangian formulation", (DEFORMATION, VOLUME, "V0 * det(F)")),
+    named(
         MPM,
         "deformation gradient updated by addition instead of multiplication, updated Lagrangian",
         (DEFORMATION, "lambda: deform(increment, F)", "lambda: axpy(1.0, increment, F)"),
@@ -123,46 +120,46 @@ MATERIAL_POINT = (
             "F[0] + sum(increment[:: {4: 3, 9: 4}[len(increment)]])",
         ),
     ),
-    _fault(
+    named(
         MPM,
         "FLIP update adds the nodal velocity instead of its increment",
         (PASSES, KICKED, KICKED.replace("axpy(leap, a, before)", "axpy(1.0, moved, before)")),
     ),
-    _fault(
+    named(
         MPM,
         "FLIP and PIC swapped",
         (PASSES, "v = axpy(scheme.flip, ", "v = axpy(1 - scheme.flip, "),
         (PASSES, "scale(1 - scheme.flip, moved)", "scale(scheme.flip, moved)"),
     ),
-    _fault(
+    named(
         MPM,
         "particle position updated with the particle velocity instead of the nodal velocity",
         (PASSES, MOVED, MOVED.replace("moved", "v")),
         (PASSES, "nodal), at.gather(grid, nodes.velocity)", "nodal), load_rows(state, some.numbers, column.velocity, zero)"),
     ),
-    _fault(
+    named(
         MPM,
         "stress-update schedules USF and USL swapped",
         (SOLVER, '"USF": passes.USF, "USL": passes.USL', '"USF": passes.USL, "USL": passes.USF'),
     ),
-    _fault(
+    named(
         MPM,
         "MUSL without the second projection of the momentum",
         (PASSES, "where(first_of_all, nodes.velocity, nodes.projected)", "nodes.velocity"),
     ),
-    _fault(
+    named(
         MPM,
         "strain increment computed from the nodal velocities before their update",
         (GRID, KICK, KEPT + KICK),
         (PASSES, "gradient = at.gather_tensor(grid, nodes.velocity", "gradient = at.gather_tensor(grid, nodes.projected"),
         (LOOP, REPROJECT + REPROJECTED, ""),
     ),
-    _fault(
+    named(
         MPM,
         "acceleration taken from one node instead of interpolated",
         (PASSES, KICKED, KICKED.replace(" a,", " (nodes.acceleration[0, at.first],),")),
     ),
-    _fault(
+    named(
         MPM,
         "body force evaluated at spatial instead of material coordinates",
         (
@@ -171,38 +168,36 @@ MATERIAL_POINT = (
             "spatial = bool(problem.body_force) and points is reference",
         ),
     ),
-    _fault(MPM, "body force not multiplied by the particle mass", (PASSES, "scale(m, b)", "scale(some.present, b)")),
-    _fault(MPM, "body force omitted", (PASSES, "scale(m, b)", "scale(0.0, b)")),
-    _fault(MPM, "sign of the traction reversed", (FACES, "force.append(sign * values)", "force.append(-sign * values)")),
-    _fault(
+    named(MPM, "body force not multiplied by the particle mass", (PASSES, "scale(m, b)", "scale(some.present, b)")),
+    named(MPM, "body force omitted", (PASSES, "scale(m, b)", "scale(0.0, b)")),
+    named(MPM, "sign of the traction reversed", (FACES, "force.append(sign * values)", "force.append(-sign * values)")),
+    named(
         MPM, "traction applied one time step late", (GRID, "faces.force[face, n]", "faces.force[face, where(n > 0, n - 1, n)]")
     ),
-    _fault(
-        MPM, "essential boundary condition not applied to the nodal velocity", (GRID, "        velocity[c, i] = held\n", "")
-    ),
-    _fault(MPM, "essential boundary conditions omitted", (FACES, "np.array(held, ", "np.array([], ")),
-    _fault(
+    named(MPM, "essential boundary condition not applied to the nodal velocity", (GRID, "        velocity[c, i] = held\n", "")),
+    named(MPM, "essential boundary conditions omitted", (FACES, "np.array(held, ", "np.array([], ")),
+    named(
         MPM,
         "particle volume set to the volume of its cell",
-        (LAYOUT, "volume = size.prod(axis=1)", "volume = (at.ppc * size).prod(axis=1)"),
+        (SOLVER, PLACED, f"{PLACED}volume *= discretisation.ppc ** problem.dimension\n        "),
     ),
-    _fault(
+    named(
         MPM,
         "particles shifted from the centres of their subcells",
-        (LAYOUT, "(np.arange(ppc) + 0.5) / ppc", "(np.arange(ppc) + 0.25) / ppc"),
+        (SOLVER, PLACED, f"{PLACED}reference -= 0.25 * discretisation.h / discretisation.ppc\n        "),
     ),
-    _fault(MPM, "knots of the quadratic B-splines not clamped at the boundary", (BASIS, "np.clip(knots, 0, cells)", "knots")),
-    _fault(
+    named(MPM, "knots of the quadratic B-splines not clamped at the boundary", (BASIS, "np.clip(knots, 0, cells)", "knots")),
+    named(
         MPM,
         "shape function gradient taken with respect to the local coordinate",
         (SPLINES, "(1.0 - xi, xi), (-grid.scale, grid.scale)", "(1.0 - xi, xi), (-1.0, 1.0)"),
         (SPLINES, "scale(grid.scale, axpy(xi, c2, inner))", "axpy(xi, c2, inner)"),
     ),
-    _fault(MPM, "nodal masses not reset to zero", (GRID, CLEARED, KEEP_MASS)),
-    _fault(MPM, "nodes of small mass treated as massless", (LOOP, "MASSLESS = 1e-12", "MASSLESS = 1.2")),
-    _fault(MPM, "full velocity update instead of the initial half step", (GRID, "(0.0, 0.5 * dt))", "(0.0, dt))")),
-    _fault(MPM, "velocity recorded half a time step early", (GRID, "(0.5 * dt, dt)", "(0.0, dt)")),
-    _fault(
+    named(MPM, "nodal masses not reset to zero", (GRID, CLEARED, KEEP_MASS)),
+    named(MPM, "nodes of small mass treated as massless", (GRID, "MASSLESS = 1e-12", "MASSLESS = 1.2")),
+    named(MPM, "full velocity update instead of the initial half step", (GRID, "(0.0, 0.5 * dt))", "(0.0, dt))")),
+    named(MPM, "velocity recorded half a time step early", (GRID, "(0.5 * dt, dt)", "(0.0, dt)")),
+    named(
         MPM,
         "PIC momentum loss at a fixed boundary missing from the impulse",
         (HISTORIES, " + (1.0 - scheme.flip) * added[c]", ""),
@@ -210,27 +205,27 @@ MATERIAL_POINT = (
 )
 
 TAYLOR_GALERKIN = (
-    _fault(TG, "dt instead of dt/2 in the predictor", (TG_LOOP, "return U_k - 0.5 * dt * (", "return U_k - dt * (")),
-    _fault(TG, "predictor omitted", (TG_LOOP, "return U_k - 0.5 * dt * (", "return U_k - 0.0 * dt * (")),
-    _fault(TG, "boundary flux omitted from the update", (TG_LOOP, CONTOUR, "")),
-    _fault(
+    named(TG, "dt instead of dt/2 in the predictor", (TG_LOOP, "return U_k - 0.5 * dt * (", "return U_k - dt * (")),
+    named(TG, "predictor omitted", (TG_LOOP, "return U_k - 0.5 * dt * (", "return U_k - 0.0 * dt * (")),
+    named(TG, "boundary flux omitted from the update", (TG_LOOP, CONTOUR, "")),
+    named(
         TG,
         "boundary flux omitted from the update and the recorded balance",
         (TG_LOOP, CONTOUR + ACCOUNT, "                    pass\n"),
     ),
-    _fault(TG, "normal reversed in the boundary flux", (TG_LOOP, "contour = normal * dot", "contour = -normal * dot")),
-    _fault(TG, "sign of the incoming characteristic reversed", (TG_SOLVER, "nZ = normal *", "nZ = -normal *")),
-    _fault(TG, "boundary value taken half a time step early", (TG_LOOP, "datum[face, 2 * n + 1]", "datum[face, 2 * n]")),
-    _fault(TG, "one mass pass too few", (TG_LOOP, "for sweep in range(passes)", "for sweep in range(max(1, passes - 1))")),
-    _fault(
+    named(TG, "normal reversed in the boundary flux", (TG_LOOP, "contour = normal * dot", "contour = -normal * dot")),
+    named(TG, "sign of the incoming characteristic reversed", (TG_SOLVER, "nZ = normal *", "nZ = -normal *")),
+    named(TG, "boundary value taken half a time step early", (TG_LOOP, "datum[face, 2 * n + 1]", "datum[face, 2 * n]")),
+    named(TG, "one mass pass too few", (TG_LOOP, "for sweep in range(passes)", "for sweep in range(max(1, passes - 1))")),
+    named(
         TG, "one row of the consistent element mass matrix doubled", (TG_LOOP, "MdU[i, k] += h / 6 *", "MdU[i, k] += h / 3 *")
     ),
-    _fault(TG, "prescribed unknown not enforced in later passes", (TG_LOOP, "dU[i, k] += correction[face, k] * gap", "pass")),
-    _fault(TG, "full nodal mass at the end nodes", (TG_SOLVER, "mass[[0, -1]] = 0.5 * h", "pass")),
-    _fault(TG, "P-wave modulus halved", (TG_SOLVER, MODULUS, MODULUS.replace("-(", "-0.5 * ("))),
-    _fault(TG, "first Lame constant omitted", (TG_SOLVER, MODULUS, MODULUS.replace("material.lame_lambda + ", ""))),
-    _fault(TG, "density omitted from the momentum equation", (TG_SOLVER, "[-1 / rho, 0.0]", "[-1.0, 0.0]")),
-    _fault(
+    named(TG, "prescribed unknown not enforced in later passes", (TG_LOOP, "dU[i, k] += correction[face, k] * gap", "pass")),
+    named(TG, "full nodal mass at the end nodes", (TG_SOLVER, "mass[[0, -1]] = 0.5 * h", "pass")),
+    named(TG, "P-wave modulus halved", (TG_SOLVER, MODULUS, MODULUS.replace("-(", "-0.5 * ("))),
+    named(TG, "first Lame constant omitted", (TG_SOLVER, MODULUS, MODULUS.replace("material.lame_lambda + ", ""))),
+    named(TG, "density omitted from the momentum equation", (TG_SOLVER, "[-1 / rho, 0.0]", "[-1.0, 0.0]")),
+    named(
         TG,
         "source term of the corrector taken at the start of the step",
         (TG_LOOP, "S = load[k] * b_half[e]", "S = load[k] * b[e]"),
@@ -238,40 +233,40 @@ TAYLOR_GALERKIN = (
 )
 
 FINITE_ELEMENT = (
-    _fault(FEM, "Newmark beta 1/6 instead of 1/4", (FEM_SOLVER, '"newmark": 0.25', '"newmark": 1 / 6')),
-    _fault(
+    named(FEM, "Newmark beta 1/6 instead of 1/4", (FEM_SOLVER, '"newmark": 0.25', '"newmark": 1 / 6')),
+    named(
         FEM, "sign of beta reversed in the predictor", (FEM_LOOP, "dt * dt * (0.5 - beta) * a", "dt * dt * (0.5 + beta) * a")
     ),
-    _fault(
+    named(
         FEM,
         "Newmark gamma 0.6 instead of 1/2",
         (FEM_LOOP, FIRST_KICK, FIRST_KICK.replace("dt / 2", "0.4 * dt")),
         (FEM_LOOP, SECOND_KICK, SECOND_KICK.replace("dt / 2", "0.6 * dt")),
     ),
-    _fault(FEM, "effective matrix with beta dt K", (FEM_SOLVER, "mass + beta * dt**2 *", "mass + beta * dt *")),
-    _fault(FEM, "mass lumped to its diagonal", (FEM_SOLVER, "diags_array(mass.sum(axis=1))", "diags_array(mass.diagonal())")),
-    _fault(
+    named(FEM, "effective matrix with beta dt K", (FEM_SOLVER, "mass + beta * dt**2 *", "mass + beta * dt *")),
+    named(FEM, "mass lumped to its diagonal", (FEM_SOLVER, "diags_array(mass.sum(axis=1))", "diags_array(mass.diagonal())")),
+    named(
         FEM, "mass matrix not multiplied by the density", (FEM_SOLVER, "mass = law.density * (mass if", "mass = 1.0 * (mass if")
     ),
-    _fault(FEM, "P-wave modulus halved", (FEM_LOOP, "return (lame + 2 * shear) * e,", "return 0.5 * (lame + 2 * shear) * e,")),
-    _fault(
+    named(FEM, "P-wave modulus halved", (FEM_LOOP, "return (lame + 2 * shear) * e,", "return 0.5 * (lame + 2 * shear) * e,")),
+    named(
         FEM, "first Lame constant omitted, linear law", (FEM_LOOP, "return (lame + 2 * shear) * e,", "return 2 * shear * e,")
     ),
-    _fault(
+    named(
         FEM,
         "shear modulus halved, neo-Hookean law",
         (FEM_LOOP, FEM_NEO_HOOKEAN, FEM_NEO_HOOKEAN.replace("shear", "0.5 * shear")),
     ),
-    _fault(FEM, "first Lame constant omitted, neo-Hookean law", (FEM_LOOP, FEM_NEO_HOOKEAN, "return shear * e * (2 + e) / F,")),
-    _fault(FEM, "sign of the traction reversed", (FEM_SOLVER, "normal * condition.value(t)", "-normal * condition.value(t)")),
-    _fault(FEM, "body force omitted", (FEM_SOLVER, "(law.density * weight) @ values", "(0.0 * weight) @ values")),
-    _fault(FEM, "body force not multiplied by the density", (FEM_SOLVER, "(law.density * weight) @ values", "weight @ values")),
-    _fault(
+    named(FEM, "first Lame constant omitted, neo-Hookean law", (FEM_LOOP, FEM_NEO_HOOKEAN, "return shear * e * (2 + e) / F,")),
+    named(FEM, "sign of the traction reversed", (FEM_SOLVER, "normal * condition.value(t)", "-normal * condition.value(t)")),
+    named(FEM, "body force omitted", (FEM_SOLVER, "(law.density * weight) @ values", "(0.0 * weight) @ values")),
+    named(FEM, "body force not multiplied by the density", (FEM_SOLVER, "(law.density * weight) @ values", "weight @ values")),
+    named(
         FEM,
         "quadrature weight omitted from the internal force",
         (FEM_LOOP, "+= mesh.weight[i, q] * mesh.gradient[i, q, k] * stress", "+= mesh.gradient[i, q, k] * stress"),
     ),
-    _fault(FEM, "fixed end nodes kept in the factorised matrix", (FEM_SOLVER, "free[[0, -1]] = ~held", "pass")),
+    named(FEM, "fixed end nodes kept in the factorised matrix", (FEM_SOLVER, "free[[0, -1]] = ~held", "pass")),
 )
 
-NAMED = (*HISTORIC, *MATERIAL_POINT, *TAYLOR_GALERKIN, *FINITE_ELEMENT)
+NAMED = (*HISTORIC, *MATERIAL_POINT, *IN_SPACE, *TAYLOR_GALERKIN, *FINITE_ELEMENT)

@@ -23,6 +23,7 @@ from mpmverify.selftest.fault_judge import FaultJudge, FaultResult
 from mpmverify.selftest.faults import Fault, passage
 from mpmverify.selftest.named import NAMED
 from mpmverify.selftest.processes import each_alone
+from mpmverify.selftest.reach import Lines, lines_run
 from mpmverify.selftest.rules import faults, sampled
 from mpmverify.selftest.survivors import EXPLAINED
 from mpmverify.selftest.trials import TRIALS, merged
@@ -154,9 +155,10 @@ class Session:
         imports = sorted({*CODE, *modules})
         # This folder holds all temporary files, so that those of a killed process are removed, too.
         with environment(COMPILATION), tempfile.TemporaryDirectory(prefix="mpmverify-") as scratch:
+            lines = self._lines({fault.family: trials[fault.family] for fault in waiting}, Path(scratch), imports)
             judges = {
-                family: FaultJudge(self.sources, studies, self.baseline, self._original.path, Path(scratch))
-                for family, studies in trials.items()
+                family: FaultJudge(self.sources, trials[family], self.baseline, self._original.path, Path(scratch), found)
+                for family, found in lines.items()
             }
             tasks = [(judges[fault.family], fault) for fault in waiting]
             for (_, fault), result in each_alone(_judge, tasks, self.jobs, self.timeout, _failed, imports):
@@ -166,6 +168,17 @@ class Session:
                 done += 1
                 progress("planted faults", done, len(planted))
                 yield fault, row
+
+    def _lines(
+        self, trials: dict[str, tuple[Study, ...]], scratch: Path, imports: Sequence[str]
+    ) -> dict[str, tuple[Lines, ...]]:
+        """Find out which lines of the solvers each trial runs."""
+        tasks = [(family, k, study, self.sources, scratch) for family, of in trials.items() for k, study in enumerate(of)]
+        found = {
+            (family, k): lines
+            for (family, k, *_), lines in each_alone(_lines_run, tasks, self.jobs, self.timeout, _without_lines, imports)
+        }
+        return {family: tuple(found[family, k] for k in range(len(of))) for family, of in trials.items()}
 
     def _key(self, fault: Fault, trials: tuple[Study, ...]) -> str:
         """Return the content key: the patch, the trials with their unmodified solvers, the baseline and the judging code."""
@@ -215,6 +228,15 @@ def _judge(task: tuple[FaultJudge, Fault]) -> FaultResult:
     except Exception:
         traceback.print_exc()  # here, where the place is known: the error reaches the caller as text
         raise
+
+
+def _lines_run(task: tuple[str, int, Study, Path, Path]) -> Lines:
+    _, _, trial, sources, scratch = task
+    return lines_run(trial, sources, scratch)
+
+
+def _without_lines(reason: str, *, undecided: bool) -> Lines:
+    raise RuntimeError(f"a trial of the unmodified solvers does not run: {reason}")
 
 
 def _failed(reason: str, *, undecided: bool) -> FaultResult:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .faults import Edit
 
-DESCRIPTIVE = {"name", "orders", "space_orders", "conserves", "kernel", "__post_init__"}
+DESCRIPTIVE = {"name", "orders", "coarse_orders", "_damped", "space_orders", "conserves", "kernel", "__post_init__"}
 """Functions that describe or set up a solver and compute no results."""
 NON_NUMERICAL = {"require", "Work", "perf_counter", "compile", "typeof", "isinstance", "cast"}
 """Calls that reject a problem, measure time and work, or compile: nothing inside them changes a result."""

@@ -52,6 +52,7 @@ def merged(studies: Iterable[Study]) -> list[Study]:
     return list(table.values())
 
 
+PATCH, WAVES, LOADS, MOVING = "patch-tests", "plane-waves", "loads-and-supports", "moving-bodies"
 VIBRATION, DRIVEN, BAR, ADVECTION, DECK, MANUFACTURED, DISPERSION = (
     "axial-vibration",
     "driven-bar",
@@ -64,6 +65,12 @@ VIBRATION, DRIVEN, BAR, ADVECTION, DECK, MANUFACTURED, DISPERSION = (
 TRIALS: dict[str, tuple[Trial, ...]] = {
     "mpm": (
         Trial(DRIVEN, "loaded-right", "mpm-ul-linear-musl-flip"),
+        Trial(PATCH, "translation, 1D", "mpm-ul-linear-musl-flip"),
+        Trial(PATCH, "free fall from edges, 1D", "mpm-ul-linear-usl-flip"),
+        Trial(PATCH, "shear, 2D", "mpm-ul-linear-musl-flip"),
+        Trial(PATCH, "translation across joined ends, 2D", "mpm-ul-linear-musl-flip"),
+        Trial(LOADS, "block, plane", "mpm-tl-linear-musl-flip"),
+        Trial(WAVES, "clamped", "mpm-ul-linear-musl-flip"),
         Trial(DRIVEN, "loaded-left", "mpm-tl-quadratic-usf-flip"),
         Trial(DRIVEN, "accelerated", "mpm-ul-linear-musl-flip"),
         Trial(VIBRATION, "small-strain", "mpm-ul-linear-musl-flip"),
@@ -82,6 +89,10 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(MANUFACTURED, "crossing", "mpm-tl-quadratic-usf-flip"),
         Trial(DISPERSION, "fixed-fixed", "mpm-tl-linear-usl-flip"),
         Trial(DISPERSION, "beyond-the-limit", "mpm-tl-linear-usl-flip"),
+        Trial(WAVES, "yeoh", "mpm-tl-linear-musl-flip"),
+        Trial(WAVES, "hencky", "mpm-tl-linear-musl-flip"),
+        Trial(MOVING, "disk", "mpm-ul-quadratic-usl-apic"),
+        Trial(PATCH, "rotation, 2D", "mpm-ul-quadratic-musl-apic"),
     ),
     "taylor_galerkin": (
         Trial(DECK, "deck", "tg-lumped"),

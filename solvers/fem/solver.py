@@ -153,6 +153,11 @@ class FiniteElement:
         return {quantity: min(order, 2) for quantity, order in self.space_orders.items()}
 
     @property
+    def coarse_orders(self) -> Mapping[str, float]:
+        """Order in h until the error of the time step shows: that in space."""
+        return self.space_orders
+
+    @property
     def conserves(self) -> frozenset[str]:
         return frozenset({"mass", "momentum"})
 

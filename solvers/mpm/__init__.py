@@ -1,6 +1,7 @@
 """Explicit material point method."""
 
-from .layout import GAUSS, REGULAR, Layout, offset
+from mpmverify.problem import GAUSS, REGULAR, Layout, offset
+
 from .solver import MaterialPoint
 from .transfers import AFLIP, APIC, FLIP, PIC, TPIC, Transfer, blend, fmpm, xpic
 

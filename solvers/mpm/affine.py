@@ -5,8 +5,9 @@ within the support, D_p = sum_I N_Ip (x_I - x_p)(x_I - x_p)^T is diagonal. What 
 
 slopes(grid, kept, m, D)
     Columns (d, d) of m_p times the velocity gradient, in cells; `kept` are the numbers of the particle (d d), D is in cells (d,).
-gather(grid, nodes, at, gradient)
-    What the particle keeps next (d d), of the nodes or of the `gradient` sum_I v_I dN_Ip/dx (d d) [1/s].
+gather(grid, values, at, gradient)
+    What the particle keeps of the `values` of the nodes v (d, n), (d d); `gradient` is a function that returns
+    sum_I v_I dN_Ip/dx (d d).
 spin(grid, kept, at)
     Angular momentum of the particle about itself per unit of mass, as `cross` has its components.
 
@@ -34,9 +35,9 @@ class Moment(NamedTuple):
     def slopes(self, grid: Grid, kept, m, D):
         return columns(kept, quotient(m * grid.scale, D))
 
-    def gather(self, grid: Grid, nodes: Nodes, at, gradient):
+    def gather(self, grid: Grid, values, at, gradient):
         e, _ = at.moments(grid)
-        return scale(1 / grid.scale, gathered_by(grid, nodes.velocity, at.first, at.N, e))
+        return scale(1 / grid.scale, gathered_by(grid, values, at.first, at.N, e))
 
     def spin(self, grid: Grid, kept, at):
         return axial(kept)
@@ -48,8 +49,8 @@ class Gradient(NamedTuple):
     def slopes(self, grid: Grid, kept, m, D):
         return columns(kept, constant(m / grid.scale, D))
 
-    def gather(self, grid: Grid, nodes: Nodes, at, gradient):
-        return gradient
+    def gather(self, grid: Grid, values, at, gradient):
+        return gradient()
 
     def spin(self, grid: Grid, kept, at):
         _, D = at.moments(grid)
@@ -74,15 +75,21 @@ def spread_momentum(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nod
 @traced
 def gather_affine(scheme: Scheme, grid: Grid, nodes: Nodes, at, gradient):
     """What a particle keeps after a step; an empty tuple where it keeps nothing."""
-    return () if isinstance(scheme.affine, Uniform) else scheme.affine.gather(grid, nodes, at, gradient)
+    return () if isinstance(scheme.affine, Uniform) else scheme.affine.gather(grid, nodes.velocity, at, lambda: gradient)
 
 
 @traced
-def spin_with(scheme: Scheme, grid: Grid, particles: Particles, numbers, at, spin: Vector):
-    """Angular momentum of particles per unit of mass: `spin` of their centres, with that about themselves."""
+def spin_with(scheme: Scheme, grid: Grid, particles: Particles, nodes: Nodes, numbers, at, spin: Vector, kick):
+    """Angular momentum of particles per unit of mass at t^n: `spin` of their centres, with that about themselves.
+
+    What they keep belongs to t^{n-1/2}; what the acceleration adds to it in the time `kick` brings it to t^n, as it does the velocity.
+    """
     if isinstance(scheme.affine, Uniform):
         return spin
-    return axpy(1.0, spin, scheme.affine.spin(grid, affine_of(grid, particles, numbers), at))
+    a = nodes.acceleration
+    rate = scheme.affine.gather(grid, a, at, lambda: at.gather_tensor(grid, a))
+    now = axpy(kick, rate, affine_of(grid, particles, numbers))
+    return axpy(1.0, spin, scheme.affine.spin(grid, now, at))
 
 
 @traced

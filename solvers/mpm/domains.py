@@ -51,8 +51,8 @@ class Gimp(Splines):
     def support(self, grid: Grid, first, offset, F):
         half = [half_domain(grid, stretch) for stretch in stretches(F, offset)]
         N, dN = zip(*(integrated_along(grid, a, b) for a, b in zip(offset, half, strict=True)), strict=True)
-        place = tuple(offset[k] + half[k] + (first[k] - grid.padding[k]) for k in range(len(half)))
-        return Products(node_of(grid, first), N, dN, first, place)
+        centre = tuple(offset[k] + half[k] - grid.padding[k] for k in range(len(half)))
+        return Products(node_of(grid, first), N, dN, first, centre)
 
 
 class Cpdi(Splines):

@@ -81,8 +81,8 @@ def tabulate_faces(problem: Problem, axes: tuple[Axis, ...], h: float, steps: in
     held, loaded, area = [], [], []
     velocity, force = [np.zeros(steps + 2)], [np.zeros(steps + 1)]
     own = tuple(slice(axis.cells if axis.periodic else None) for axis in reversed(axes))
-    clamped_first = sorted(problem.boundary.items(), key=lambda item: not isinstance(item[1], Fixed))
-    for face, condition in clamped_first:
+    clamped_last = sorted(problem.boundary.items(), key=lambda item: isinstance(item[1], Fixed))
+    for face, condition in clamped_last:
         k, sign = "xyz".index(face[0]), 1 if face[1] == "+" else -1
         across = problem.dimension - 1 - k
         if isinstance(condition, Periodic):

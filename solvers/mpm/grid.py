@@ -3,7 +3,7 @@
 import operator
 from collections.abc import Callable
 from functools import reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 from mpmverify.problem import Array
 
@@ -22,17 +22,30 @@ def leapfrog(n: int, dt: float) -> tuple[float, float]:
     return where(n > 0, (0.5 * dt, dt), (0.0, 0.5 * dt))
 
 
+class LeastMass(NamedTuple):
+    """Nodal masses below which a node is massless [kg].
+
+    velocity : float
+        Of p_I/m_I, and of the acceleration by the body force.
+    force : float
+        Of f_I/m_I of the internal force and of tractions.
+    """
+
+    velocity: float
+    force: float
+
+
 def _pass(at_node: Callable[..., None]) -> Any:
     """A pass over the nodes from `begin` to `end`, four at a time and the rest one by one; it sets `sums` to zero first."""
 
-    def over_nodes(zero, nodes, strips, velocity, massless, kick, leap, sums, begin, end):
+    def over_nodes(zero, nodes, strips, velocity, least, kick, leap, sums, begin, end):
         with for_range(0, sums.shape[0]) as c:
             sums[c] = 0.0
         last = end - (end - begin) % LANES
         with for_range(begin, last, LANES) as i:
-            at_node(zero, nodes, velocity, massless, kick, leap, sums, Consecutive(i))
+            at_node(zero, nodes, velocity, least, kick, leap, sums, Consecutive(i))
         with for_range(last, end) as i:
-            at_node(zero, nodes, velocity, massless, kick, leap, sums, i)
+            at_node(zero, nodes, velocity, least, kick, leap, sums, i)
 
     over_nodes.__name__, over_nodes.__doc__ = at_node.__name__, at_node.__doc__
     return traced(over_nodes)
@@ -40,22 +53,36 @@ def _pass(at_node: Callable[..., None]) -> Any:
 
 SMALLEST = 1e-290
 """Part of the mass of the heaviest particle below which a nodal mass has lost its digits."""
+MASSLESS = 1e-12
+"""Part of the mass of the heaviest particle below which a hat function has too little mass for its internal force."""
 
 
 @traced
-def least_mass(grid: Grid, heaviest: float, massless: float) -> float:
-    """Nodal mass above which p_I/m_I is a velocity [kg].
+def least_mass(grid: Grid, heaviest: float) -> LeastMass:
+    """Nodal masses above which p_I/m_I is a velocity, and f_I/m_I an acceleration.
 
-    Momentum and mass of a node are sums over the same particles with weights that are not negative. Their quotient is a mean of the
-    particles' velocities and well conditioned, however small the mass. A node that had no velocity instead would strain the body, since
-    the slope of its function is 1/h even where a particle on a cell edge gives it a mass of 1e-16. Fitted bases give a node mass and
-    momentum by integrals of two polynomials, whose quotient is no mean.
+    Momentum, body force and mass of a node are sums over the same particles with weights that are not negative. The quotients of the
+    first two by the mass are means over the particles and well conditioned, however small the mass. A node that had no velocity instead
+    would strain the body, since the slope of its function is 1/h even where a particle on a cell edge gives it a mass of 1e-16.
+
+    The weights of the internal force are slopes. Where a hat vanishes its slope does not: f_I/m_I grows without bound, though the
+    particles see N_I f_I/m_I, which is finite. USL would strain a particle at a cell edge by it without bound, so the internal force of
+    a hat below `MASSLESS` is dropped, and the momentum that it carries is lost for this step. Where splines, and hats that are averaged
+    over domains, vanish their slopes vanish, too: they need no limit. Fitted bases give a node mass and momentum by integrals of two
+    polynomials, whose quotient is no mean, and have both limits.
+
+    Known remedies, and what each breaks: MUSL and USF strain by velocities that are means again (Sulsky, Zhou and Schreyer, 1995,
+    doi:10.1016/0010-4655(94)00170-7), but are other schedules; splines and GIMP are other bases; forces of small nodes that are shared
+    among their neighbours (Ma, Giguere, Jayaraman and Zhang, Journal of Computational Physics 229, 2010, 7819-7833) keep the momentum
+    but change the gradient; a larger limit, or a floor under the mass, drops forces that count at every free surface.
     """
-    return massless if grid.kind.fitted else SMALLEST * heaviest
+    hats = len(grid.width) == 2 and not grid.kind.domains
+    limited = MASSLESS if hats or grid.kind.fitted else SMALLEST
+    return LeastMass((limited if grid.kind.fitted else SMALLEST) * heaviest, limited * heaviest)
 
 
 @_pass
-def clear(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i) -> None:
+def clear(zero: Vector, nodes: Nodes, velocity: Array, least: LeastMass, kick: float, leap: float, sums: Array, i) -> None:
     """Zero mass, momentum and forces."""
     for values, count in (nodes.inertia, 1 + len(zero)), (nodes.internal, len(zero)), (nodes.external, len(zero)):
         for c in range(count):
@@ -64,29 +91,28 @@ def clear(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: fl
 
 @_pass
 def nodal_velocity(
-    zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i
+    zero: Vector, nodes: Nodes, velocity: Array, least: LeastMass, kick: float, leap: float, sums: Array, i
 ) -> None:
     """v_I = p_I/m_I, or 0 at massless nodes, see `least_mass`; `sums` (d,) is minus the momentum that is lost there."""
     mass, lost = nodes.inertia[0, i], []
     for c in range(len(zero)):
         momentum = nodes.inertia[1 + c, i]
-        velocity[c, i] = where(mass > massless, momentum / mass, 0.0)
-        lost.append(where(mass > massless, 0.0, momentum))
+        velocity[c, i] = where(mass > least.velocity, momentum / mass, 0.0)
+        lost.append(where(mass > least.velocity, 0.0, momentum))
     add_sums(sums, 0, -1.0, lost)
 
 
 @_pass
-def accelerate(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i) -> None:
-    """a_I = f_I/m_I, or 0 at massless nodes, where the external force becomes the reaction to the internal one."""
+def accelerate(zero: Vector, nodes: Nodes, velocity: Array, least: LeastMass, kick: float, leap: float, sums: Array, i) -> None:
+    """a_I = (f_I^int + m_I b_I)/m_I, without the internal force at massless nodes and 0 where there is no mass, see `least_mass`."""
     mass = nodes.inertia[0, i]
     for c in range(len(zero)):
-        internal, external = nodes.internal[c, i], nodes.external[c, i]
-        nodes.external[c, i] = where(mass > massless, external, -internal)
-        nodes.acceleration[c, i] = where(mass > massless, (internal + external) / mass, 0.0)
+        force = nodes.external[c, i] + where(mass > least.force, nodes.internal[c, i], 0.0)
+        nodes.acceleration[c, i] = where(mass > least.velocity, force / mass, 0.0)
 
 
 @_pass
-def kick_nodes(zero: Vector, nodes: Nodes, velocity: Array, massless: float, kick: float, leap: float, sums: Array, i) -> None:
+def kick_nodes(zero: Vector, nodes: Nodes, velocity: Array, least: LeastMass, kick: float, leap: float, sums: Array, i) -> None:
     """v_I += leap a_I, which at a held node is v_b(t^{n+1/2}); zero the nodal momentum before it is accumulated again.
 
     `sums` (2 + d,) are those at t^n: power sum_I f_I v_I and sum f_I of the external forces, and the mass.
@@ -140,11 +166,14 @@ def hold_velocity(grid: Grid, nodes: Nodes, faces: Faces, n: int, velocity: Arra
 
 
 @traced
-def load_faces(nodes: Nodes, faces: Faces, n: int) -> None:
-    """Add the tractions p n at t^n to the external forces."""
+def load_faces(nodes: Nodes, faces: Faces, least: LeastMass, n: int) -> None:
+    """Add the tractions p n at t^n to the external forces and the acceleration; a massless node takes none."""
     with for_range(0, faces.loaded.shape[0]) as k:
         i, c, face = (faces.loaded[k, j] for j in range(3))
-        nodes.external[c, i] += faces.area[k] * faces.force[face, n]
+        mass = nodes.inertia[0, i]
+        load = where(mass > least.force, faces.area[k] * faces.force[face, n], 0.0)
+        nodes.external[c, i] += load
+        nodes.acceleration[c, i] += where(mass > least.force, load / mass, 0.0)
 
 
 @traced
@@ -168,7 +197,7 @@ def begin_series(grid: Grid, nodes: Nodes, values) -> None:
 
 
 @traced
-def add_term(grid: Grid, nodes: Nodes, faces: Faces, massless: float, total, reaction: float, added: Array) -> None:
+def add_term(grid: Grid, nodes: Nodes, faces: Faces, least: LeastMass, total, reaction: float, added: Array) -> None:
     """t_I <- t_I - p_I/m_I, 0 at held nodes, and `total` (d, n) += t: the next term of sum_j (I - S^+ S)^j.
 
     The part of the term that is dropped at a held node counts as its reaction in a series of accelerations (`reaction` 1), as
@@ -179,7 +208,7 @@ def add_term(grid: Grid, nodes: Nodes, faces: Faces, massless: float, total, rea
     with for_range(0, count) as i:
         mass = nodes.inertia[0, i]
         for c in range(d):
-            nodes.term[c, i] = where(mass > massless, nodes.term[c, i] - nodes.inertia[1 + c, i] / mass, 0.0)
+            nodes.term[c, i] = where(mass > least.velocity, nodes.term[c, i] - nodes.inertia[1 + c, i] / mass, 0.0)
             nodes.inertia[1 + c, i] = 0.0
     with for_range(0, faces.held.shape[0]) as k:
         i, c = faces.held[k, 0], faces.held[k, 1]

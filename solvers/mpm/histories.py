@@ -107,8 +107,8 @@ def add_up(
 def record_sums(zero: Vector, strips: Strips, histories: Histories, k: int, running: Array) -> int:
     """Write momentum sum_p m v, angular momentum, kinetic energy sum_p m v^2/2 and stored energy at t^n as record k.
 
-    v^n = v^{n-1/2} + dt/2 sum_I N_I a_I. The angular momentum sum_p m x cross v includes that of the affine parts. Returns COMPLETED,
-    UNSTABLE or NON_FINITE.
+    v^n = v^{n-1/2} + dt/2 sum_I N_I a_I. The angular momentum sum_p m x cross v includes that of the affine parts
+    at t^n. Returns COMPLETED, UNSTABLE or NON_FINITE.
     """
     d = len(zero)
     with for_range(0, strips.sums.shape[0]) as s:

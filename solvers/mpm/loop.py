@@ -43,8 +43,6 @@ from .vectors import with_mass
 
 SOURCES = checksum(Path(__file__).parent)
 """Checksum of this package and of its compiler, part of the names of the loops: the disk cache compiles them anew when a file changes."""
-MASSLESS = 1e-12
-"""Nodes with less than this part of the mass of the heaviest particle have no acceleration: f/m would overflow. See `least_mass`."""
 
 
 def refine(
@@ -119,8 +117,7 @@ def march_through(
     heaviest = 0.0
     for p in range(particles.place.size):
         heaviest = max(heaviest, particles.state[p, columns_of(grid.lower, particles.deformation).mass])
-    massless, last, count = MASSLESS * heaviest, faces.force.shape[1] - 1, nodes.inertia.shape[1]
-    least = least_mass(grid, heaviest, massless)
+    least, last, count = least_mass(grid, heaviest), faces.force.shape[1] - 1, nodes.inertia.shape[1]
     many, series, turns = strips.passed.size > 1, scheme.series, full_mass(scheme)
     velocity, nodal_body = nodes.velocity, body if scheme.nodal_body else body[:0]
     zero = grid.lower
@@ -158,9 +155,9 @@ def march_through(
             add_heat(strips, running)
         join(grid, nodes.internal, zero)
         join(grid, nodes.external, zero)
-        load_faces(nodes, faces, n)
         weigh(zero, nodes, nodal_body, n - begin)
-        accelerate(zero, nodes, strips, velocity, massless, 0.0, 0.0, nothing, 0, count)
+        accelerate(zero, nodes, strips, velocity, least, 0.0, 0.0, nothing, 0, count)
+        load_faces(nodes, faces, least, n)
         hold_acceleration(grid, nodes, faces, n, dt)
         if turns:
             sums = nodes.acceleration
@@ -170,7 +167,7 @@ def march_through(
             first, stop = strips.particles[0], strips.particles[-1]
             record_fields(scheme, grid, particles, nodes, outputs, output, n, dt, first, stop)
         kick, leap = leapfrog(n, dt)
-        kick_nodes(zero, nodes, strips, velocity, massless, kick, leap, sums_at_nodes, 0, count)
+        kick_nodes(zero, nodes, strips, velocity, least, kick, leap, sums_at_nodes, 0, count)
         add_up(zero, scheme, histories, record, running, added, sums_at_nodes, n, dt)
         passed = grid_to_particles(scheme, grid, particles, nodes, strips, 0, step)
         if recorded:

@@ -140,7 +140,7 @@ def grid_to_particles(
         with when(step.record):
             m = some.present * load_rows(state, some.numbers, column.mass, (0.0,))[0]
             now, x = axpy(kick, a, before), load_rows(state, some.numbers, 0, zero)
-            spin = spin_with(scheme, grid, particles, some.numbers, at, cross(x, now))
+            spin = spin_with(scheme, grid, particles, nodes, some.numbers, at, cross(x, now), kick)
             sums[KINETIC] += reduce_sum(0.5 * m * dot(now, now))
             sums[STRAIN] += reduce_sum(stored_energy(scheme, particles, some, zero))
             add_sums(sums, MOMENTUM, m, now)

@@ -8,35 +8,40 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.problem import Array, Discretisation, LinearElastic, Periodic, Problem, Spatial, output_steps, require
-from mpmverify.solution import Outcome, Solution, Status, Work
+from mpmverify.problem import (
+    REGULAR,
+    Array,
+    Discretisation,
+    Layout,
+    LinearElastic,
+    Periodic,
+    Problem,
+    Spatial,
+    output_steps,
+    place_particles,
+    require,
+)
+from mpmverify.solution import Solution, Work
 
 from ..tracing import start_threads
-from . import loop, passes
+from . import formal_orders, loop, passes
 from .acceptance import check
 from .affine import AFFINE
 from .basis import BASES, Axis, Basis, basis_axis, grid_of
 from .constitution import LAWS, LINEAR_ELASTIC, constitution
+from .endings import End, outcome
 from .faces import ghosts, node_positions, tabulate_body_force, tabulate_faces
-from .histories import COMPLETED, INVERTED, LEFT_GRID, NON_FINITE, UNSTABLE, Outputs, by_component, no_histories
-from .layout import REGULAR, Layout, place_particles
+from .histories import COMPLETED, Outputs, by_component, no_histories
 from .order import Strips, strips
 from .reconstruction import cells_of
-from .splines import MovingLeastSquares
-from .state import Grid, Nodes, Particles, Scheme, Series, columns_of, nodal
+from .start import particles_at_start
+from .state import Grid, Nodes, Particles, Scheme, Series, nodal
 from .transfers import FLIP, Transfer
 
 SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
 FORMULATIONS = {"updated": "ul", "total": "tl"}
 BODY_FORCES = ("particles", "nodes")
 
-STATUSES = {
-    COMPLETED: Status.COMPLETED,
-    UNSTABLE: Status.UNSTABLE,
-    NON_FINITE: Status.NON_FINITE,
-    LEFT_GRID: Status.LEFT_GRID,
-    INVERTED: Status.NON_FINITE,
-}
 BLOCK = 4_000_000
 """Largest number of body-force values held at once: 32 MB."""
 MANY = 50_000
@@ -151,24 +156,13 @@ class MaterialPoint:
 
     @property
     def orders(self) -> Mapping[str, float]:
-        """Formal orders in h while no particle crosses a cell.
+        """Formal orders in h, see `formal_orders.orders`."""
+        return formal_orders.orders(self._basis, self.transfer)
 
-        - PIC damps at first order. Affine transfers, and XPIC and FMPM with two terms, damp at second order.
-        - The gradient of the hat is constant in a cell, so that it is of second order in the middle of the cell only (`ppc` = 1).
-        - The centre of the lumped mass of the two functions at each clamped end is O(h) from their nodes. This costs half an order in L2
-          of the stress, and of the velocity where FLIP adds the acceleration to it.
-        - In the end cells of clamped cubic splines the quadrature over particles does not balance a constant stress, and with moving
-          least squares neither does the gradient: a strain error of O(1) over a length O(h) leaves half an order of the stress and
-          first order of displacement and velocity, which with cubic splines shows on fine levels only.
-        """
-        damped = self.transfer.flip < 1 and not self.transfer.affine and self.transfer.terms == 1
-        if isinstance(self._basis.kind, MovingLeastSquares) or self._basis.degree > 2:
-            return {"displacement": 1.0, "velocity": 1.0, "stress": 0.5}
-        if damped:
-            return {"displacement": 1.0, "velocity": 1.0, "stress": 1.0}
-        if self._basis.degree > 1:
-            return {"displacement": 2.0, "velocity": 2.0 if self.transfer.affine else 1.5, "stress": 1.5}
-        return {"displacement": 2.0, "velocity": 2.0, "stress": 1.0}
+    @property
+    def coarse_orders(self) -> Mapping[str, float]:
+        """Orders on coarse levels, see `formal_orders.coarse_orders`."""
+        return formal_orders.coarse_orders(self._basis, self.transfer)
 
     def kernel(self, problem: Problem) -> Hashable:
         """Key of the compiled loop: equal for problems that share it."""
@@ -228,10 +222,7 @@ class MaterialPoint:
             code, done, kept = march(*state, *record, body, done, end, kept)
         seconds = time.perf_counter() - started
 
-        causes = {INVERTED: "; a particle's deformation gradient reached zero"}
-        if self.basis == "cpdi":
-            causes[LEFT_GRID] = "; a domain reaches further than a cell from its particle, or a particle left the grid"
-        detail = "" if code == COMPLETED else f"at step {done} of {steps}{causes.get(code, '')}"
+        ended = End(code, done, steps, dt, reference[particles.place], particles.position, state[3])
         taken = min(done, steps)
         return Solution(
             time=times[step[:kept]],
@@ -246,7 +237,7 @@ class MaterialPoint:
             },
             histories={"time": times[histories.step[histories.step < done]], **by_component(histories, done)},
             work=Work(taken, taken * count, seconds),
-            outcome=Outcome(STATUSES[code], detail),
+            outcome=outcome(ended, problem, discretisation, self.basis),
         )
 
     def _scheme(self, problem: Problem) -> Scheme:
@@ -282,19 +273,5 @@ class MaterialPoint:
         return strips(grid.lower[-1], at.h, at.cells(problem), rows, particles, moving, grid.stride[-1], many)
 
     def _particles(self, problem: Problem, reference: Array, volume: Array) -> Particles:
-        """Particles in the initial state of the body."""
-        assert isinstance(problem.material, LinearElastic)
-        count, dimension = reference.shape
-        kept = dimension**2 if self.transfer.affine else 0
-        F = np.eye(dimension) + problem.initial_field("displacement_gradient", reference).reshape(-1, dimension, dimension)
         whole = self._basis.kind.domains or LAWS[type(problem.material)] is not LINEAR_ELASTIC
-        deformation = (0.0,) * (dimension**2 if whole else 1)
-        state = np.zeros((count, columns_of((0.0,) * dimension, deformation).affine + kept))
-        numbers = np.arange(count, dtype=np.int64)
-        particles = Particles(numbers, reference, state, numbers.copy(), deformation)
-        particles.position[:] = reference + problem.initial_field("displacement", reference)
-        particles.velocity[:] = problem.initial_field("velocity", reference)
-        particles.F[:] = F.reshape(count, -1) if len(deformation) == dimension**2 else np.linalg.det(F)[:, None]
-        particles.stress[:] = problem.initial_field("stress", reference)
-        particles.mass[:], particles.volume[:] = problem.material.density * volume, volume
-        return particles
+        return particles_at_start(problem, reference, volume, whole, bool(self.transfer.affine))

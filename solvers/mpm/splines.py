@@ -25,7 +25,7 @@ support(grid, first, offset, F)
 
 from typing import NamedTuple
 
-from ..tracing import as_integer, count_leading, load_row, minimum, traced, where
+from ..tracing import as_integer, count_leading, load_row, maximum, minimum, traced, where
 from .places import in_a_cell, inside, node_of
 from .state import Grid
 from .support import Products, moment_along
@@ -34,6 +34,11 @@ from .vectors import Vector, axpy, scale
 # Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
+EDGE = 1e-30
+"""Distance in cells from the edge where a cell begins, of a particle that lies on it.
+
+A function with a slope on the edge then has a mass, and hence a velocity; even the cube of the distance leaves one above `SMALLEST`.
+"""
 ONE = (0,)
 """Tuple of length one: its holder loads one element."""
 
@@ -64,10 +69,10 @@ class Splines(Kind):
         return where(in_a_cell(under, grid.cells), count_leading(shared), 0)
 
     def support(self, grid: Grid, first, offset, F):
+        offset = tuple(minimum(maximum(a, EDGE), 1 - 2**-53) for a in offset)
         along_axes = [self.functions(grid, k, first[k], offset[k]) for k in range(len(offset))]
         N, dN = zip(*along_axes, strict=True)
-        place = tuple(a + cell for a, cell in zip(offset, first, strict=True))
-        return Products(node_of(grid, first), N, dN, first, place)
+        return Products(node_of(grid, first), N, dN, first, offset)
 
     def functions(self, grid: Grid, k: int, first: int, offset):
         """N [1] and dN/dx [1/m] (W,) along axis k."""
@@ -79,7 +84,7 @@ class MovingLeastSquares(Splines):
 
     def functions(self, grid: Grid, k: int, first: int, offset):
         N, _ = along(grid, k, first, offset)
-        moment, D = moment_along(grid, k, first, offset + first, N)
+        moment, D = moment_along(grid, k, first, offset, N)
         return N, scale(grid.scale / D, moment)
 
 

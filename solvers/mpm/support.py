@@ -35,15 +35,15 @@ class Products(NamedTuple):
         Their derivatives (d, W) [1/m].
     begin : tuple of int
         First node along the axes (d,).
-    place : tuple
-        Distances of the particles from the lower ends in cells (d,).
+    offset : tuple
+        Distances of the particles from the lower ends in cells, less the numbers of the first nodes (d,).
     """
 
     first: Any
     N: Any
     derivative: Any
     begin: Any
-    place: Any
+    offset: Any
 
     def spread(self, grid: Grid, nodes, component, amount):
         add_field(grid, nodes, component, self.first, self.N, self.N, amount, None)
@@ -59,13 +59,13 @@ class Products(NamedTuple):
 
     def moments(self, grid: Grid):
         """N (x_I - x) along the axes (d, W), and the diagonal of D = sum_I N (x_I - x)(x_I - x)^T (d,), in cells."""
-        axes = range(len(self.place))
-        return zip(*(moment_along(grid, k, self.begin[k], self.place[k], self.N[k]) for k in axes), strict=True)
+        axes = range(len(self.offset))
+        return zip(*(moment_along(grid, k, self.begin[k], self.offset[k], self.N[k]) for k in axes), strict=True)
 
 
 @traced
-def moment_along(grid: Grid, k: int, first: int, place, N):
-    """N (x_I - x) (W,) and D = sum_I N (x_I - x)^2 along axis k, in cells, at a place in cells from the lower end."""
-    from_here = less(load_row(grid.nodes, (k, first), N), place)
+def moment_along(grid: Grid, k: int, first: int, offset, N):
+    """N (x_I - x) (W,) and D = sum_I N (x_I - x)^2 along axis k, in cells, at an offset from the first node's number in cells."""
+    from_here = less(less(load_row(grid.nodes, (k, first), N), 1.0 * first), offset)
     moment = by_components(N, from_here)
     return moment, dot(moment, from_here)

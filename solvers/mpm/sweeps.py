@@ -44,19 +44,19 @@ def _over_parts(one: Any) -> Any:
     """A pass over the nodes, in parallel over as many parts as there are strips; its sums are those over the parts."""
 
     @wraps(one)
-    def over_parts(zero, nodes, strips, velocity, massless, kick, leap, sums, begin, end):
+    def over_parts(zero, nodes, strips, velocity, least, kick, leap, sums, begin, end):
         parts = strips.nodal.shape[0]
-        with parallel_for(parts, (zero, nodes, strips, velocity, massless, kick, leap, begin, end)) as (k, there):
+        with parallel_for(parts, (zero, nodes, strips, velocity, least, kick, leap, begin, end)) as (k, there):
             of_part(k, *there)
         with for_range(0, sums.shape[0]) as c:
             sums[c] = 0.0
             with for_range(0, parts) as k:
                 sums[c] += strips.nodal[k, c]
 
-    def of_part(k, zero, nodes, strips, velocity, massless, kick, leap, begin, end):
+    def of_part(k, zero, nodes, strips, velocity, least, kick, leap, begin, end):
         parts, count = strips.nodal.shape[0], end - begin
         first, last = begin + count * k // parts, begin + count * (k + 1) // parts
-        one(zero, nodes, strips, velocity, massless, kick, leap, strips.nodal[k], first, last)
+        one(zero, nodes, strips, velocity, least, kick, leap, strips.nodal[k], first, last)
 
     return traced(over_parts)
 

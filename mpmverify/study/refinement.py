@@ -1,19 +1,15 @@
-"""Declarations of a study: verification problems, solvers, refinements and criteria, as values."""
+"""Ladders and designs of discretisations, and the tiers that run them."""
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
 from mpmverify.convergence.axis import Axis, axis
-from mpmverify.criteria.criterion import Criterion
-from mpmverify.criteria.evidence import SeriesId
 from mpmverify.errors import UsageError
-from mpmverify.exact import VerificationProblem
 from mpmverify.problem import Discretisation
-from mpmverify.solution import Solver
 
 TIERS = ("quick", "full")
 
@@ -27,14 +23,14 @@ class Refinement:
     label : str
         Name of the ladder within its case, such as "nu_C=0.5".
     levels : tuple of Discretisation
-        Levels, coarsest first.
+        Coarsest first.
     quick : int
-        Number of levels, from the coarsest, in the quick tier.
+        Number of levels, from the coarsest, in the quick tier; 0 for a ladder of the full tier alone.
 
     Raises
     ------
     UsageError
-        If `quick` is less than 1 or exceeds the number of levels.
+        If there is no level, or `quick` is negative or exceeds the number of levels.
     """
 
     label: str
@@ -42,9 +38,9 @@ class Refinement:
     quick: int
 
     def __post_init__(self) -> None:
-        if not 1 <= self.quick <= len(self.levels):
+        if not self.levels or not 0 <= self.quick <= len(self.levels):
             raise UsageError(
-                f"ladder {self.label!r} has {len(self.levels)} levels: let the quick tier run 1 to {len(self.levels)}, not {self.quick}"
+                f"ladder {self.label!r} has {len(self.levels)} levels: let the quick tier run 0 to {len(self.levels)}, not {self.quick}"
             )
 
     def tier(self, tier: str) -> tuple[Discretisation, ...]:
@@ -62,13 +58,12 @@ class Refinement:
         """
         if tier not in TIERS:
             raise UsageError(f"there is no tier {tier!r}: choose from {', '.join(TIERS)}")
-        return self.levels[: self.quick] if tier == "quick" else self.levels
+        return self.levels[: self.quick if tier == "quick" else None]
 
     @property
     def axis(self) -> Axis:
         """The sizes that the levels refine; the time steps are taken as the largest that the Courant numbers allow."""
-        columns = np.array([(level.h, level.courant * level.h, level.ppc) for level in self.levels])
-        return axis(*columns.T)
+        return axis(*np.array([(level.h, level.courant * level.h, level.ppc) for level in self.levels]).T)
 
     def with_courant(self, courant: float) -> "Refinement":
         """Return the same ladder with one Courant number [1] on all levels; levels that become equal are merged."""
@@ -165,119 +160,3 @@ def design(length: float, *, cells: Sequence[int], courant: Sequence[float], ppc
     )
     counts = (("h", len(cells)), ("dt", len(courant)), ("ppc", len(ppc)))
     return Refinement(" x ".join(f"{count} {size}" for size, count in counts if count > 1), levels, len(levels))
-
-
-@dataclass(frozen=True)
-class Series:
-    """One solver on one ladder, with the criteria that its results must meet."""
-
-    solver: Solver
-    refinement: Refinement
-    criteria: tuple[Criterion, ...]
-
-
-@dataclass(frozen=True)
-class Case:
-    """One verification problem and the series that are run on it.
-
-    Parameters
-    ----------
-    name : str
-        Name of the case within its study.
-    problem : VerificationProblem
-        The problem.
-    series : tuple of Series
-        Series on the problem.
-    shown : str
-        Quantity that the report plots first.
-    """
-
-    name: str
-    problem: VerificationProblem
-    series: tuple[Series, ...]
-    shown: str
-
-
-@dataclass(frozen=True)
-class Study:
-    """A set of cases that are run together and shown on one page.
-
-    Parameters
-    ----------
-    name : str
-        Name on the command line and in file names.
-    title, summary : str
-        Heading and introduction of the page.
-    cases : tuple of Case
-        The cases.
-    restricted_to : str
-        The solvers and the Courant number to which the declared study was restricted; "" if it is complete.
-
-    Raises
-    ------
-    UsageError
-        If two series have the same case, solver and refinement, two different solvers have the same name, or a name cannot be used
-        for a file.
-    """
-
-    name: str
-    title: str
-    summary: str
-    cases: tuple[Case, ...]
-    restricted_to: str = ""
-
-    def __post_init__(self) -> None:
-        seen = set()
-        named: dict[str, Solver] = {}
-        for case, series in self.series():
-            identity = (case.name, series.solver.name, series.refinement.label)
-            if identity in seen:
-                raise UsageError(f"study {self.name!r} declares {' / '.join(identity)} twice: remove one or rename its ladder")
-            seen.add(identity)
-            if named.setdefault(series.solver.name, series.solver) != series.solver:
-                raise UsageError(f"study {self.name!r} has two solvers with the name {series.solver.name!r}: rename one")
-        for name in (self.name, *named):
-            if not name or "/" in name or name.startswith("."):
-                raise UsageError(f"{name!r} cannot name a file: use a name without '/' that does not start with '.'")
-
-    def series(self) -> Iterator[tuple[Case, Series]]:
-        """Yield each case and series, in the order of declaration."""
-        for case in self.cases:
-            for series in case.series:
-                yield case, series
-
-    def criteria(self) -> dict[SeriesId, tuple[Criterion, ...]]:
-        """Return the criteria of every series."""
-        return {
-            SeriesId(case.name, series.solver.name, series.refinement.label): series.criteria for case, series in self.series()
-        }
-
-    def solvers(self) -> dict[str, Solver]:
-        """Return the solvers by name, in the order of declaration."""
-        return {series.solver.name: series.solver for _, series in self.series()}
-
-    def solver_names(self) -> tuple[str, ...]:
-        """Return the names of the solvers, in the order of declaration."""
-        return tuple(self.solvers())
-
-    def restricted(self, solvers: tuple[str, ...] = (), courant: float | None = None) -> "Study":
-        """Return the study with only the named solvers, or all if none is named, and with one Courant number [1] if it is given.
-
-        `restricted_to` of the returned study states the restriction.
-        """
-        cases = []
-        for case in self.cases:
-            chosen: dict[tuple[str, str], Series] = {}
-            for series in case.series:
-                if solvers and series.solver.name not in solvers:
-                    continue
-                if courant is not None:
-                    series = dataclasses.replace(series, refinement=series.refinement.with_courant(courant))
-                chosen.setdefault((series.solver.name, series.refinement.label), series)
-            if chosen:
-                cases.append(dataclasses.replace(case, series=tuple(chosen.values())))
-        kept = dataclasses.replace(self, cases=tuple(cases))
-        names = kept.solver_names()
-        parts = [", ".join(names)] if len(names) < len(self.solver_names()) else []
-        parts += [] if courant is None else [f"Courant number {courant:g}"]
-        return dataclasses.replace(kept, restricted_to="; ".join(parts) or self.restricted_to)

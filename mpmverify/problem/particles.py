@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.errors import UsageError
-from mpmverify.problem import Array, Discretisation, Problem
+from mpmverify.problem.discretisation import Discretisation
+from mpmverify.problem.problem import Problem
+from mpmverify.problem.quantities import Array
 
 SLIVER = 1e-4
 """A part of a sub-cell that is smaller than this share of it is merged with a neighbour: alone it could reach massless nodes."""
