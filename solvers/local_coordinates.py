@@ -6,6 +6,8 @@ M. Molinos, GeHoJerez (2019), item "Get the nodal coordinates of the material po
 O. C. Zienkiewicz, R. L. Taylor and J. Z. Zhu, The Finite Element Method, 6th edition, Elsevier 2005, section 5.
 """
 
+import math
+
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
@@ -42,9 +44,14 @@ def shape_functions(xi: Array, N: Array, dN: Array) -> None:
 def residual(nodes: Array, x: Array, xi: Array, N: Array, dN: Array, r: Array) -> float:
     """Set r = x - sum_a N_a(xi) x_a (dim,) and return its norm."""
     shape_functions(xi, N, dN)
+    square = 0.0
     for i in range(len(x)):
-        r[i] = x[i] - np.sum(N * nodes[:, i])
-    return np.sqrt(np.sum(r * r))
+        mapped = 0.0
+        for a in range(len(N)):
+            mapped += N[a] * nodes[a, i]
+        r[i] = x[i] - mapped
+        square += r[i] * r[i]
+    return math.sqrt(square)
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -57,16 +64,25 @@ def newton(corners: Array, point: Array, xi: Array) -> bool:
     """
     n, dim = corners.shape
     N, dN, r, step, trial = np.empty(n), np.empty((n, dim)), np.empty(dim), np.empty(dim), np.empty(dim)
-    centre = corners[0].copy()
-    size = 0.0
+    nodes, x, J = np.empty((n, dim)), np.empty(dim), np.empty((dim, dim))
+    size, farthest = 0.0, 0.0
     for a in range(n):
-        size = max(size, np.abs(corners[a] - centre).max())
+        for i in range(dim):
+            size = max(size, abs(corners[a, i] - corners[0, i]))
     # Shifted to a node and scaled by the size: a small element far from the origin would otherwise lose digits.
-    nodes, x = (corners - centre) / size, (point - centre) / size
-    xi[:] = 0.0
+    for i in range(dim):
+        for a in range(n):
+            nodes[a, i] = (corners[a, i] - corners[0, i]) / size
+        x[i] = (point[i] - corners[0, i]) / size
+        farthest = max(farthest, abs(x[i]))
+        xi[i] = 0.0
     error = residual(nodes, x, xi, N, dN, r)
     for _ in range(ITERATIONS):
-        J = nodes.T @ dN
+        for i in range(dim):
+            for j in range(dim):
+                J[i, j] = 0.0
+                for a in range(n):
+                    J[i, j] += nodes[a, i] * dN[a, j]
         if dim == 1:
             step[0] = r[0] / J[0, 0]
         else:
@@ -75,19 +91,23 @@ def newton(corners: Array, point: Array, xi: Array) -> bool:
                 return False
             step[0] = (J[1, 1] * r[0] - J[0, 1] * r[1]) / det
             step[1] = (J[0, 0] * r[1] - J[1, 0] * r[0]) / det
-        if error <= CONVERGED * (1 + np.abs(x).max()):
-            xi += step
+        if error <= CONVERGED * (1 + farthest):
+            for i in range(dim):
+                xi[i] += step[i]
             return True
         share = 1.0
         for _ in range(HALVINGS):
-            trial[:] = xi + share * step
+            for i in range(dim):
+                trial[i] = xi[i] + share * step[i]
             reached = residual(nodes, x, trial, N, dN, r)
             if reached <= (1 - share / 4) * error:
                 break
             share /= 2
         else:
             return False
-        xi[:], error = trial, reached
+        for i in range(dim):
+            xi[i] = trial[i]
+        error = reached
     return False
 
 
@@ -97,14 +117,14 @@ def least_jacobian(nodes: Array) -> float:
     n, dim = nodes.shape
     if dim == 1:
         length = nodes[1, 0] - nodes[0, 0]
-        return length / max(abs(length), np.abs(nodes).max() * 1e-5)
-    least, diameter = np.inf, 0.0
+        return length / max(abs(length), abs(nodes[0, 0]) * 1e-5, abs(nodes[1, 0]) * 1e-5)
+    least, diameter = math.inf, 0.0
     for a in range(n):
-        before, after = nodes[a] - nodes[a - 1], nodes[(a + 1) % n] - nodes[a]
-        cross = before[0] * after[1] - before[1] * after[0]
-        if np.isnan(cross):
-            return np.nan
-        least, diameter = min(least, cross), max(diameter, np.sum((nodes[a] - nodes[a - 2]) ** 2))
+        o, p, q, s = nodes[a - 2], nodes[a - 1], nodes[a], nodes[(a + 1) % n]
+        cross = (q[0] - p[0]) * (s[1] - q[1]) - (q[1] - p[1]) * (s[0] - q[0])
+        if math.isnan(cross):
+            return math.nan
+        least, diameter = min(least, cross), max(diameter, (q[0] - o[0]) ** 2 + (q[1] - o[1]) ** 2)
     return least / diameter if diameter > 0 else 0.0
 
 
@@ -114,10 +134,10 @@ def depth(nodes: Array, x: Array) -> float:
     n, dim = nodes.shape
     if dim == 1:
         return min(x[0] - nodes[0, 0], nodes[1, 0] - x[0])
-    least = np.inf
+    least = math.inf
     for a in range(n):
         p, q = nodes[a], nodes[(a + 1) % n]
-        side = np.sqrt((q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2)
+        side = math.sqrt((q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2)
         least = min(least, ((q[0] - p[0]) * (x[1] - p[1]) - (q[1] - p[1]) * (x[0] - p[0])) / side)
     return least
 
@@ -142,8 +162,10 @@ def search(
     `around[first[i]:first[i + 1]]` are the elements at node i.
     """
     for k in range(len(points)):
-        x = points[k]
-        if not np.isfinite(x).all():
+        x, finite = points[k], True
+        for i in range(len(x)):
+            finite = finite and math.isfinite(x[i])
+        if not finite:
             continue
         if guess[k] >= 0:
             for node in nodes[guess[k]]:
@@ -160,7 +182,8 @@ def search(
                     found[k] = e
                     break
         if found[k] >= 0 and not newton(corners[found[k]], x, local[k]):
-            local[k] = np.nan
+            for i in range(len(x)):
+                local[k, i] = math.nan
 
 
 def elements_of(coordinates: Array, connectivity: NDArray[np.int64]) -> Array:
