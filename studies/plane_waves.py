@@ -35,7 +35,8 @@ FINITE = {
     "yeoh": Yeoh(*CONSTANTS, second=-2.0, third=30.0),
 }
 """Hyperelastic bodies by case."""
-COARSE, FINE, CUBOID = (12, 16, 24, 32, 48), (24, 32, 40, 48, 64), (10, 12, 14, 16, 20)
+COARSE, FINE = (12, 16, 24, 32, 48), (24, 32, 40, 48, 64)
+COARSE_CUBOID, CUBOID = (8, 10, 12, 14, 16), (10, 12, 14, 16, 20)
 """Cells on 1 m: of one particle per cell, of two along each axis, and in three dimensions. The quick tier leaves out the last."""
 
 UPDATED, TOTAL = MaterialPoint("MUSL"), MaterialPoint("MUSL", formulation="total")
@@ -107,6 +108,7 @@ STUDY = Study(
             _case(name, slip_box(law, strain=0.25, periods=0.7), _on(TOTAL, (16, 24, 32, 48, 64) if name == "yeoh" else COARSE))
             for name, law in FINITE.items()
         ),
+        *(_case(f"{name}-bar", slip_box(law, 1, strain=0.25, periods=0.7), _on(TOTAL)) for name, law in FINITE.items()),
         _case("neo-hookean-updated", slip_box(FINITE["neo-hookean"], strain=0.002), _on(UPDATED)),
         _case(
             "neo-hookean-affine",
@@ -114,6 +116,9 @@ STUDY = Study(
             _on(AFFINE, (8, *COARSE[:4]), 2),
             _on(AFFINE_UPDATED, (8, 12, 16, 20, 24), 2),
         ),
-        _case("hencky-cuboid", slip_box(FINITE["hencky"], 3, strain=0.2, periods=0.4), _on(TOTAL, (8, 10, 12, 14, 16))),
+        *(
+            _case(f"{name}-cuboid", slip_box(FINITE[name], 3, strain=0.2, periods=0.4), _on(TOTAL, cells))
+            for name, cells in (("hencky", COARSE_CUBOID), ("neo-hookean-split", COARSE_CUBOID), ("yeoh", CUBOID))
+        ),
     ),
 )
