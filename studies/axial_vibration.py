@@ -103,7 +103,10 @@ STUDY = Study(
         Case(
             "small-strain",
             axial_vibration(v0=1e-4),
-            tuple(Series(s, v.ladder(s, LENGTH), (*_converges(s), v.MOMENTUM, v.MASS, v.sums(s))) for s in (*v.MPM, *SERIES_OF_TWO)),
+            tuple(
+                Series(s, v.ladder(s, LENGTH), (*_converges(s), v.MOMENTUM, v.MASS, v.sums(s)))
+                for s in (*v.MPM, *SERIES_OF_TWO)
+            ),
             shown="displacement",
             ladder=STRANGERS,
         ),

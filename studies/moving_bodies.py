@@ -1,6 +1,6 @@
 """Moving bodies: through cells and joined ends, past each other, and about a centre."""
 
-from mpmverify.criteria import Balance, Exact, ExactTotal, Order
+from mpmverify.criteria import Balance, Exact, ExactTotal, Order, Size
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.exact.drifting_waves import drifting_waves
 from mpmverify.exact.spinning_body import spinning_body
@@ -46,6 +46,14 @@ FREE: tuple[Criterion, ...] = (
     *(ExactTotal(stock, NEWTON_SOURCE) for stock in ("momentum", "angular_momentum")),
     v.MASS,
 )
+TURNED = Size(
+    "displacement",
+    "L2-max",
+    0.0184,
+    0.0225,
+    "own measurement, to a tenth: a time that runs 1 % too fast hides in the order",
+    1.5 / 24,
+)
 SPUN_STRESS = Order("stress", "L2-max", 1.35, 2.15, v.START_SOURCE)
 SPUN: tuple[Criterion, ...] = (
     Order("displacement", "L2-max", 1.8, 2.2, v.AFFINE_SOURCE),
@@ -88,19 +96,20 @@ STUDY = Study(
             spinning_body(outputs=64),
             (Series(MaterialPoint("USL", APIC, "quadratic"), _ladder(1.5, (16, 24, 32, 48, 64, 96), 5, 0.4, 2), SPUN),),
             shown="displacement",
+            margin=0.35,  # by the start, see START_SOURCE
         ),
         Case(
             "cube, spinning",
-            spinning_body(3),
-            # Its stress scatters so much at these levels that it has no order.
+            spinning_body(3, radians=0.3),
             (
                 Series(
                     MaterialPoint("USL", APIC, "quadratic"),
                     _ladder(1.5, (12, 16, 20, 24, 32), 4, 0.4, 2),
-                    tuple(criterion for criterion in SPUN if criterion != SPUN_STRESS),
+                    (*(criterion for criterion in SPUN if criterion != SPUN_STRESS), TURNED),
                 ),
             ),
             shown="displacement",
+            margin=0.65,  # the same, on coarser levels
         ),
         Case(
             "ring",
@@ -147,6 +156,7 @@ STUDY = Study(
             # From 37 cells on.
             (Series(MaterialPoint("USF", formulation="total"), _ladder(1.0, (12, 16, 20, 24, 37, 48), 5, 0.4, 1), MIDDLE),),
             shown="stress",
+            margin=0.2,
         ),
     ),
 )

@@ -123,7 +123,9 @@ def test_a_pushed_block_obeys_linear_elasticity_away_from_its_fronts(verificatio
 def test_sides_of_a_pushed_block_are_loaded_as_prescribed_and_else_free(verification):
     problem, stress = verification.problem, verification.exact.fields["stress"]
     t = np.linspace(0, problem.end_time, 9)
-    for body, k, (name, end) in itertools.product(problem.shape.bodies, range(problem.dimension), (("-", "lower"), ("+", "upper"))):
+    for body, k, (name, end) in itertools.product(
+        problem.shape.bodies, range(problem.dimension), (("-", "lower"), ("+", "upper"))
+    ):
         corner, face = getattr(body, end), "xyz"[k] + name
         X = np.random.default_rng(3).uniform(body.lower, body.upper, (20, problem.dimension))
         X[:, k] = corner[k]

@@ -114,7 +114,9 @@ def pushed_block(
     material = NeoHookean(youngs_modulus, density)
     lower, upper = (0.5, 0.0, 0.25)[:dimension], (1.5, 0.75, 1.0)[:dimension]
     box = (1.5, 1.0, 1.0)[:dimension]
-    spans = {"corner": ((lower[-1], upper[-1]),), "joined": ((0.0, box[-1]),), "pair": ((0.0, 0.25), (0.5, box[-1]))}[arrangement]
+    spans = {"corner": ((lower[-1], upper[-1]),), "joined": ((0.0, box[-1]),), "pair": ((0.0, 0.25), (0.5, box[-1]))}[
+        arrangement
+    ]
     blocks = tuple(Block((*lower[:-1], start), (*upper[:-1], end)) for start, end in spans)
     pushed = dimension - (arrangement != "corner")
     lengths = np.array([*np.subtract(upper, lower)[:-1], sum(end - start for start, end in spans)])

@@ -59,7 +59,6 @@ PATCH, WAVES, LOADS, MOVING, LARGE = (
     "moving-bodies",
     "large-deformation",
 )
-STABILITY = "mpm-stability"
 VIBRATION, DRIVEN, BAR, ADVECTION, DECK, MANUFACTURED, DISPERSION = (
     "axial-vibration",
     "driven-bar",
@@ -123,7 +122,6 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(LARGE, "bases", "mpm-ul-mls-quadratic-usl-flip"),
         Trial(MOVING, "square, several threads", "mpm-ul-quadratic-usl-apic"),
         Trial(WAVES, "yeoh-cuboid", "mpm-tl-linear-musl-flip"),
-        Trial(STABILITY, "cubic", "limit-mpm-tl-cubic-usl-fmpm4"),
     ),
     "taylor_galerkin": (
         Trial(DECK, "deck", "tg-lumped"),
