@@ -4,7 +4,6 @@ Every pytest session imports this module. It therefore imports pytest and `mpmve
 """
 
 import argparse
-import importlib
 import tempfile
 from collections.abc import Callable, Generator, Iterable, Iterator
 from functools import partial
@@ -38,7 +37,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="append",
         default=[],
         metavar="STUDY",
-        help="Collect only this study: a shipped name, or MODULE:NAME for your own study; may be repeated.",
+        help="Collect only this study: a shipped name, or FILE.py:NAME or MODULE:NAME for your own study; may be repeated.",
     )
     group.addoption("--mpmverify-out", metavar="DIR", help="Results folder; by default a folder in pytest's cache.")
     group.addoption("--mpmverify-tier", choices=["quick", "full"], default="quick", help="Number of levels.")
@@ -105,16 +104,17 @@ class Studies(pytest.Collector):
             If a study is unknown or has no criterion, or if two studies have the same name.
         """
         from mpmverify import studies
+        from mpmverify.adapters.names import is_own, own_study
         from mpmverify.execution.shared_study import SharedStudy
 
         shared = getattr(self.config, "workerinput", {}).get("mpmverify_shared", "")
         known: dict[str, str] = {}
         try:
             for name in dict.fromkeys(self.config.getoption("mpmverify_study") or studies.NAMES):
-                study = _own_study(name) if ":" in name else studies.get(name)
+                study = own_study(name) if is_own(name) else studies.get(name)
                 if known.setdefault(study.name, name) != name:
                     raise UsageError(f"{known[study.name]!r} and {name!r} are both named {study.name!r}: rename one")
-                bench = SharedStudy(study, self._plan, partial(self._wanted, study.name), ":" not in name, shared)
+                bench = SharedStudy(study, self._plan, partial(self._wanted, study.name), not is_own(name), shared)
                 tree = bench.declared()
                 if not any(titles for cases in tree.values() for ladders in cases.values() for titles in ladders.values()):
                     raise UsageError(f"the study {name!r} has no criterion: declare one for its series")
@@ -138,28 +138,10 @@ class Studies(pytest.Collector):
         option = self.config.getoption
         return Plan(
             results=Results(_folder(self.config)),
-            baseline=read_baseline(studies.BASELINE),
+            baseline=read_baseline(studies.BASELINE, studies.NAMES),
             tier=option("mpmverify_tier"),
             jobs=option("mpmverify_jobs") or processors(),
         )
-
-
-def _own_study(name: str) -> "Study":
-    from mpmverify.execution.evaluation import place
-    from mpmverify.study import Study
-
-    module, _, attribute = name.partition(":")
-    try:
-        study = getattr(importlib.import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as error:
-        remedy = "give MODULE:NAME of a module on Python's path (`python -m pytest` adds the working folder to it)"
-        raise UsageError(f"the study {name!r} cannot be imported ({error}): {remedy}") from error
-    except (Exception, SystemExit) as error:  # importing a module runs it, which may raise anything
-        said = f"{type(error).__name__}: {error} ({place(error)})"
-        raise UsageError(f"the study {name!r} cannot be imported, {said}: correct its module") from error
-    if not isinstance(study, Study):
-        raise UsageError(f"{name!r} is of type {type(study).__name__}: give the name of a Study")
-    return study
 
 
 class Branch(pytest.Collector):

@@ -121,8 +121,8 @@ def test_without_an_option_no_study_is_collected(project):
     ("names", "sentence"),
     [
         (["nope"], "unknown study 'nope': choose from advection, elastic-bar, gehojerez-deck"),
-        (["own:NOPE"], "the study 'own:NOPE' cannot be imported (module 'own' has no attribute 'NOPE'): give MODULE:NAME"),
-        (["nowhere:STUDY"], "the study 'nowhere:STUDY' cannot be imported (No module named 'nowhere'): give MODULE:NAME"),
+        (["own:NOPE"], "the study 'own:NOPE' cannot be imported (module 'own' has no attribute 'NOPE'): give FILE.py:NAME"),
+        (["nowhere:STUDY"], "the study 'nowhere:STUDY' cannot be imported (No module named 'nowhere'): give FILE.py:NAME"),
         (
             ["broken:STUDY"],
             "the study 'broken:STUDY' cannot be imported, ZeroDivisionError: * (broken.py:1): correct its module",

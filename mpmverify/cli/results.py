@@ -22,18 +22,19 @@ def shipped_baseline() -> Path:
 
 
 def accepted(path: Path | None) -> "Baseline":
-    """Read the baseline of the regression gate: the one at `path`, or the shipped one.
+    """Read the baseline of the regression gate: the one at `path`, or the shipped one, which gates the shipped studies alone.
 
     Raises
     ------
     UsageError
         If there is no file at `path`.
     """
+    from mpmverify import studies
     from mpmverify.judgement.baseline import read_baseline
 
     if path and not path.exists():
         raise UsageError(f"there is no baseline '{path}': make it with `mpmverify baseline accept`, or leave --baseline out")
-    return read_baseline(path or shipped_baseline())
+    return read_baseline(path) if path else read_baseline(studies.BASELINE, studies.NAMES)
 
 
 def stored(out: Path, names: Sequence[str]) -> list[Path]:
@@ -44,10 +45,12 @@ def stored(out: Path, names: Sequence[str]) -> list[Path]:
     UsageError
         If a study has no file, or the folder has none at all.
     """
+    from mpmverify.adapters.names import is_own, own_study
     from mpmverify.dataset.files import Results
 
     results = Results(out)
-    paths = [results.study(name) for name in dict.fromkeys(names)] if names else results.studies()
+    wanted = [own_study(name).name if is_own(name) else name for name in dict.fromkeys(names)]
+    paths = [results.study(name) for name in wanted] or results.studies()
     for path in paths:
         if not path.exists():
             raise UsageError(f"no results of {path.stem!r} in '{out}': run `mpmverify run {path.stem} --out {out}` first")

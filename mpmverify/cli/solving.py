@@ -21,18 +21,17 @@ from mpmverify.cli.results import accepted, show_report
 from mpmverify.errors import UsageError
 
 if TYPE_CHECKING:
+    from mpmverify.execution.runner import Plan
     from mpmverify.judgement.findings import Finding
     from mpmverify.study import Study
 
 
 @click.command("list")
-def list_() -> None:
+@studies_argument
+def list_(studies: tuple[str, ...]) -> None:
     """List the studies, their cases and solvers."""
-    from mpmverify import studies
-
-    for name in studies.NAMES:
-        study = studies.get(name)
-        click.echo(f"{name}: {study.title}")
+    for study in _chosen(studies, (), None):
+        click.echo(f"{study.name}: {study.title}")
         click.echo(f"  cases    {', '.join(case.name for case in study.cases)}")
         click.echo(f"  solvers  {', '.join(study.solvers())}")
 
@@ -45,6 +44,7 @@ def list_() -> None:
 @click.option("--scheduler", default="", metavar="ADDRESS", help="Run on a dask.distributed scheduler.")
 @click.option("--tier", type=click.Choice(["quick", "full"]), default="quick", show_default=True, help="How many levels.")
 @click.option("--solver", "solvers", multiple=True, metavar="NAME", help="Run this solver alone; may be repeated.")
+@click.option("--with", "own", default="", metavar="FILE.py:NAME", help="Judge this solver of yours by what it declares.")
 @click.option("--courant", type=float, callback=positive, help="Run every level at this Courant number instead.")
 @click.option("--timeout", type=float, callback=positive, default=600.0, show_default=True, help="Limit for one run [s].")
 @click.option("--no-cache", is_flag=True, help="Solve again what is already solved.")
@@ -58,6 +58,7 @@ def run(
     scheduler: str,
     tier: str,
     solvers: tuple[str, ...],
+    own: str,
     courant: float | None,
     timeout: float,
     no_cache: bool,
@@ -66,7 +67,7 @@ def run(
 ) -> None:
     """Solve what is not solved yet, judge it, and write datasets and the report.
 
-    Without STUDY, all studies run.
+    Without STUDY, all studies run. A study of your own is given as FILE.py:NAME or MODULE:NAME.
     """
     from mpmverify.cli.console import console
     from mpmverify.cli.findings import StudyTable, show
@@ -87,6 +88,8 @@ def run(
         scheduler=scheduler,
     )
     chosen = _chosen(studies, solvers, courant)
+    if own:
+        chosen = _judging(own, chosen, plan)
     names = [study.name for study in chosen]
     findings: list[Finding] = []
     solved = reused = 0
@@ -144,11 +147,33 @@ def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, expl
 
 def _chosen(names: Sequence[str], solvers: tuple[str, ...], courant: float | None) -> "list[Study]":
     from mpmverify import studies
+    from mpmverify.adapters.names import is_own, own_study
 
-    declared = [studies.get(name) for name in dict.fromkeys(names or studies.NAMES)]
+    declared = [own_study(name) if is_own(name) else studies.get(name) for name in dict.fromkeys(names or studies.NAMES)]
     known = {solver for study in declared for solver in study.solvers()}
     for solver in solvers:
         if solver not in known:
             raise UsageError(f"unknown solver {solver!r}: choose from {', '.join(sorted(known))}")
     restricted = [study.restricted(solvers, courant) for study in declared]
     return [study for study in restricted if study.cases]
+
+
+def _judging(name: str, studies: "Sequence[Study]", plan: "Plan") -> "list[Study]":
+    """Studies that judge a solver by what it declares; says which cases are left out, and why."""
+    from mpmverify.adapters.names import own_solver
+    from mpmverify.execution.refusals import without_refused
+
+    solver, chosen = own_solver(name), []
+    reason = f"no study can judge {solver.name!r}"
+    for study in studies:
+        try:
+            kept, refused = without_refused(study.with_solver(solver), solver, plan)
+        except UsageError as error:
+            kept, refused = None, {"": str(error)}
+        for case, reason in refused.items():
+            click.echo(f"Left out: {study.name}{case and f', {case}'}: {reason}", err=True)
+        if kept:
+            chosen.append(kept)
+    if not chosen:
+        raise UsageError(reason)
+    return chosen

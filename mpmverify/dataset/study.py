@@ -99,7 +99,9 @@ def study_tree(
 
 
 def _describe(value: Any) -> str:
-    choices = ", ".join(f"{f.name}={getattr(value, f.name)!r}" for f in dataclasses.fields(value))
+    choices = ", ".join(
+        f"{f.name}={getattr(value, f.name)!r}" for f in (dataclasses.fields(value) if dataclasses.is_dataclass(value) else ())
+    )
     return f"{type(value).__name__}({choices})"
 
 

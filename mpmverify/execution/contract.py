@@ -13,6 +13,11 @@ from mpmverify.problem.quantities import components, history_units
 from mpmverify.solution import Outcome, Solution, Status
 
 
+def lacking(solver: Any) -> list[str]:
+    """Return the attributes of the protocol `Solver` that an object lacks."""
+    return [part for part in ("name", "orders", "conserves", "solve") if not hasattr(solver, part)]
+
+
 def malformed(solution: Any, dimension: int) -> str:
     """Say why what a solver returned for a problem of some dimension has not the form of a `Solution`; "" when it has."""
     if not isinstance(solution, Solution):

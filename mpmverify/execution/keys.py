@@ -72,8 +72,18 @@ def canonical(value: Any, modules: set[str]) -> Any:
     if isinstance(value, FunctionType) and value.__closure__ is None and "<" not in value.__qualname__:
         modules.add(value.__module__)
         return f"{value.__module__}.{value.__qualname__}"
+    if _is_its_class(value):
+        modules.add(type(value).__module__)
+        return [f"{type(value).__module__}.{type(value).__qualname__}", {}]
     shown = textwrap.shorten(repr(value), 80)
     raise UsageError(f"{shown} has no content key: use numbers, strings, and frozen dataclasses and functions of a module")
+
+
+def _is_its_class(value: Any) -> bool:
+    """Whether the class of an instance, in Python and in a module, is all that it is: it has no attributes of its own."""
+    kind = type(value)
+    plain = kind.__new__ is object.__new__ and not any("__slots__" in vars(base) for base in kind.__mro__)
+    return plain and getattr(value, "__dict__", None) == {} and "<locals>" not in kind.__qualname__
 
 
 def import_closure(modules: Iterable[str]) -> set[str]:

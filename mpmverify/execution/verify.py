@@ -1,5 +1,6 @@
 """One solver of any origin on one case of a study, judged by what it declares of itself or by given criteria."""
 
+import dataclasses
 import pickle
 import tempfile
 from collections.abc import Sequence
@@ -10,6 +11,7 @@ from mpmverify.criteria.evidence import Level, SeriesId, evidence_of
 from mpmverify.criteria.expectations import expectations
 from mpmverify.dataset.files import Results
 from mpmverify.errors import UsageError
+from mpmverify.execution.contract import lacking
 from mpmverify.execution.evaluation import Task
 from mpmverify.execution.processes import inline, over_processes
 from mpmverify.judgement.findings import Finding
@@ -61,14 +63,13 @@ def verify(
     """
     if isinstance(solver, type):
         raise UsageError(f"{solver.__name__} is a class: give an instance of it")
-    missing = [part for part in ("name", "orders", "conserves", "solve") if not hasattr(solver, part)]
-    if missing:
+    if missing := lacking(solver):
         raise UsageError(f"{type(solver).__name__} is not a solver: it lacks {', '.join(missing)}")
     chosen = _case(study, case)
     demanded = expectations(solver, chosen.problem, chosen.norm, chosen.margin) if criteria is None else tuple(criteria)
-    given = refinement or chosen.ladder
-    ladders = [given] if given else [series.refinement for series in chosen.series]
-    refinement = _in_h(chosen, ladders) if criteria is None else ladders[0]
+    if refinement:
+        chosen = dataclasses.replace(chosen, ladder=refinement)
+    refinement = chosen.ladder_in_h() if criteria is None else chosen.ladder or chosen.series[0].refinement
     if not demanded:
         raise UsageError(f"no criterion is given for solver {solver.name!r} on {chosen.problem.problem.name!r}: give one")
     with tempfile.TemporaryDirectory(prefix="mpmverify-") as folder:
@@ -101,17 +102,6 @@ def _case(study: Study, name: str) -> Case:
         which = f"has no case {name!r}" if name else "has several cases"
         raise UsageError(f"study {study.name!r} {which}: choose from {', '.join(cases)}")
     return cases[name]
-
-
-def _in_h(case: Case, ladders: Sequence[Refinement]) -> Refinement:
-    """First ladder in h with dt proportional to h: declared orders hold on such a ladder alone."""
-    for ladder in ladders:
-        if len({(level.courant, level.ppc) for level in ladder.levels}) == 1:
-            return ladder
-    raise UsageError(
-        f"{ladders[0].label!r} on case {case.name!r} is not a ladder in h at one Courant number, on which declared orders "
-        "hold: give such a ladder by refinement=, or give criteria="
-    )
 
 
 def _levels(tasks: Sequence[Task], timeout: float | None) -> list[Level]:

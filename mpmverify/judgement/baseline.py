@@ -38,11 +38,18 @@ class Baseline:
         the quantity, or what a criterion on a limit compares.
     accepted : list of mapping
         Date, commit and reason of each acceptance; the newest last.
+    only : frozenset of str, optional
+        Names of the studies that it gates; by default all.
     """
 
     path: Path
     entries: dict[str, Any] = field(default_factory=dict)
     accepted: list[dict[str, str]] = field(default_factory=list)
+    only: frozenset[str] | None = None
+
+    def gates(self, study: str) -> bool:
+        """Whether it gates a study."""
+        return self.only is None or study in self.only
 
     @property
     def source(self) -> str:
@@ -225,21 +232,28 @@ def values_by_level(
         yield f"h={h:.9g} nu_C={courant:.9g} ppc={ppc}{moved}{seeded}", values
 
 
-def read_baseline(path: Path) -> Baseline:
+def read_baseline(path: Path, only: Collection[str] | None = None) -> Baseline:
     """Read a baseline file; the baseline is empty if the file does not exist.
+
+    Parameters
+    ----------
+    path : Path
+    only : collection of str, optional
+        Names of the studies that it gates; by default all.
 
     Raises
     ------
     ResultsError
         If the file cannot be read or is not a baseline.
     """
+    gated = None if only is None else frozenset(only)
     try:
         body = json.loads(path.read_text(encoding="utf-8"))
         if not (_holds_errors(body["errors"]) and all({"date", "reason"} <= entry.keys() for entry in body["accepted"])):
             raise ValueError("an error is not a finite number, or the nesting is wrong")
-        return Baseline(path, body["errors"], list(body["accepted"]))
+        return Baseline(path, body["errors"], list(body["accepted"]), gated)
     except FileNotFoundError:
-        return Baseline(path)
+        return Baseline(path, only=gated)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
         raise ResultsError(f"'{path}' is not an mpmverify baseline: restore it, or choose another with --baseline") from error
 

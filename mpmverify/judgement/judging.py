@@ -110,7 +110,7 @@ def _findings(
         )
         for criterion in criteria
     ]
-    if baseline:
+    if baseline and baseline.gates(study):
         judgement = baseline.judge(study, solver, case, refinement, seen, criteria)
         findings.append(Finding(study, case, solver, refinement, "regression", regression.TITLE, *judgement, baseline.source))
     return tuple(findings)

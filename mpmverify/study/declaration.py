@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mpmverify.criteria import Order, Separated
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import SeriesId
-from mpmverify.criteria.expectations import MARGIN
+from mpmverify.criteria.expectations import MARGIN, expectations
 from mpmverify.criteria.norms import NORMS
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
@@ -67,6 +68,44 @@ class Case:
         object.__setattr__(self, "norm", self.norm or possible[0])
         if self.norm not in possible:
             raise UsageError(f"case {self.name!r} cannot be judged in the norm {self.norm!r}: choose {' or '.join(possible)}")
+
+    def ladder_in_h(self) -> Refinement:
+        """Return the ladder on which a solver of any origin is judged.
+
+        Raises
+        ------
+        UsageError
+            If no ladder of the case has dt proportional to h: declared orders hold on such a ladder alone.
+        """
+        ladders = [self.ladder] if self.ladder else [series.refinement for series in self.series]
+        for ladder in ladders:
+            if len({(level.courant, level.ppc) for level in ladder.levels}) == 1:
+                return ladder
+        raise UsageError(
+            f"{ladders[0].label!r} on case {self.name!r} is not a ladder in h at one Courant number, on which declared orders "
+            "hold: give such a ladder by refinement=, or give criteria="
+        )
+
+    def with_solver(self, solver: Solver) -> "Case":
+        """Return the case with a solver of any origin, judged by what it declares, beside the one of the case that declares most alike.
+
+        Raises
+        ------
+        UsageError
+            If no order is expected on the case, no ladder shows the declared ones, or a declaration is invalid; see `expectations`.
+        """
+        converging = [
+            s.solver for s in self.series if any(isinstance(criterion, Order | Separated) for criterion in s.criteria)
+        ]
+        if not converging:
+            raise UsageError(f"case {self.name!r} expects an order of no solver: choose another case, or give criteria")
+        ladder = self.ladder_in_h()
+        beside = sorted(converging, key=lambda other: len(set(other.orders.items()) ^ set(solver.orders.items())))[:1]
+        series = (
+            Series(one, ladder, expectations(one, self.problem, self.norm, self.margin))
+            for one in (solver, *(other for other in beside if other.name != solver.name))
+        )
+        return dataclasses.replace(self, series=tuple(series))
 
 
 @dataclass(frozen=True)
@@ -140,6 +179,27 @@ class Study:
         if not cases:
             raise UsageError(f"study {self.name!r} has no series in the {tier} tier: run the full tier")
         return dataclasses.replace(self, cases=cases)
+
+    def with_solver(self, solver: Solver) -> "Study":
+        """Return a study of its own that judges a solver of any origin by what it declares, on every case that can show that.
+
+        Beside it runs the solver of each case that declares most alike. See `Case.with_solver`.
+
+        Raises
+        ------
+        UsageError
+            If no case can show what it declares.
+        """
+        cases, reasons = [], []
+        for case in self.cases:
+            try:
+                cases.append(case.with_solver(solver))
+            except UsageError as error:
+                reasons.append(error)
+        if not cases:
+            raise reasons[0]
+        name, title = f"{self.name}-with-{solver.name}", f"{self.title}: {solver.name}"
+        return dataclasses.replace(self, name=name, title=title, cases=tuple(cases))
 
     def solvers(self) -> dict[str, Solver]:
         """Return the solvers by name, in the order of declaration."""

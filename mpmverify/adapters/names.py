@@ -1,0 +1,76 @@
+"""Objects of own code by the names that a command line gives them: FILE.py:NAME, or MODULE:NAME of an importable module."""
+
+import importlib
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from mpmverify.errors import UsageError
+from mpmverify.execution.contract import lacking
+from mpmverify.execution.evaluation import place
+from mpmverify.solution import Solver
+from mpmverify.study import Study
+
+
+def is_own(name: str) -> bool:
+    """Whether a name is one of own code, and not that of a shipped study."""
+    return ":" in name or name.endswith(".py")
+
+
+def own_study(name: str) -> Study:
+    """Return the study with a name; FILE.py alone means its `STUDY`.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be imported, or is no study.
+    """
+    study = _named(name if ":" in name else f"{name}:STUDY", "study")
+    if not isinstance(study, Study):
+        raise UsageError(f"{name!r} is of type {type(study).__name__}: give the name of a Study")
+    return study
+
+
+def own_solver(name: str) -> Solver:
+    """Return the solver with a name, or an instance of the class with that name.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be imported, is a class that needs arguments, or lacks an attribute of a `Solver`.
+    """
+    if ":" not in name:
+        raise UsageError(f"{name!r} names no solver: give FILE.py:NAME or MODULE:NAME")
+    solver = _named(name, "solver")
+    if isinstance(solver, type):
+        try:
+            solver = solver()
+        except TypeError as error:
+            raise UsageError(f"{name!r} is a class that needs arguments ({error}): name an instance of it") from error
+    if missing := lacking(solver):
+        raise UsageError(f"{name!r} is not a solver: it lacks {', '.join(missing)}")
+    own: Solver = solver
+    return own
+
+
+def _named(name: str, what: str) -> Any:
+    source, _, attribute = name.rpartition(":")
+    folder, module = (Path(source).absolute().parent, Path(source).stem) if source.endswith(".py") else (Path.cwd(), source)
+    if source.endswith(".py") and not Path(source).is_file():
+        raise UsageError(f"there is no file '{source}': correct its path")
+    if str(folder) not in sys.path:  # last, so that nothing in it hides a library; worker processes take it over
+        sys.path.append(str(folder))
+    try:
+        found = importlib.import_module(module)
+        if source.endswith(".py") and not os.path.samefile(found.__file__ or os.devnull, source):
+            raise UsageError(f"'{source}' has the name of another module, {module!r}: rename the file")
+        return getattr(found, attribute)
+    except UsageError:
+        raise
+    except (ImportError, AttributeError, ValueError) as error:
+        remedy = "give FILE.py:NAME, or MODULE:NAME of a module on Python's path"
+        raise UsageError(f"the {what} {name!r} cannot be imported ({error}): {remedy}") from error
+    except (Exception, SystemExit) as error:  # importing a module runs it, which may raise anything
+        said = f"{type(error).__name__}: {error} ({place(error)})"
+        raise UsageError(f"the {what} {name!r} cannot be imported, {said}: correct its module") from error
