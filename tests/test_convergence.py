@@ -168,13 +168,14 @@ def test_a_series_with_a_floor_is_classified_so(order, floor, levels):
         (HALVED[:3] ** 0.5, Classification.ASYMPTOTIC),
         (np.full(6, 0.3), Classification.STAGNANT),
         (0.3 * HALVED[:6] ** 0.1, Classification.STAGNANT),
-        (0.3 * HALVED[:6] ** -0.1, Classification.DIVERGENT),
+        (0.3 * HALVED[:6] ** -0.1, Classification.STAGNANT),
+        (0.3 * HALVED[:6] ** -0.3, Classification.DIVERGENT),
         (1e-3 / HALVED[:5], Classification.DIVERGENT),
         (np.array([1e-1, 1e-2, 1e-3, 1e-4, 1e2]), Classification.DIVERGENT),
         (np.array([0.4, 0.1, 0.05, 0.06, 0.12]), Classification.DIVERGENT),
         (np.array([1.0, 0.2, 0.19, 0.04, 0.035]), Classification.PRE_ASYMPTOTIC),
-        (np.full(4, 1e-14), Classification.ROUND_OFF_FLOOR),
-        (np.zeros(4), Classification.ROUND_OFF_FLOOR),
+        (np.full(4, 1e-14), Classification.EXACT),
+        (np.zeros(4), Classification.EXACT),
         (np.array([1e-5, 1e-11, 0.0]), Classification.ROUND_OFF_FLOOR),
         (np.array([1.0, np.nan, 0.1, 0.05]), Classification.NON_FINITE),
         (np.array([np.inf, 0.1, 0.05]), Classification.NON_FINITE),
@@ -425,6 +426,30 @@ def test_without_a_band_the_reason_gives_the_order_and_says_that_nothing_passes(
 def test_an_invalid_band_is_refused(band):
     with pytest.raises(UsageError, match="band"):
         verdict(HALVED, HALVED**2, band=band)
+
+
+@LIGHT
+@given(ladders(1), st.floats(0, 1e-3), st.floats(-3, 3))
+def test_an_error_is_exact_where_the_largest_one_is_within_the_tolerance(h, tolerance, excess):
+    error = np.linspace(0, 1, len(h)) * tolerance * 10**excess
+    found, reason = verdict(h, error, exact=tolerance)
+    assert found is (Verdict.PASS if error.max() <= tolerance else Verdict.FAIL)
+    assert f"{error.max():.2e}" in reason
+
+
+def test_errors_at_round_off_are_named_exact_and_pass_only_where_that_is_demanded():
+    for error in (np.zeros(4), np.full(4, 1e-15)):
+        found, reason = verdict(HALVED[:4], error, band=(1.8, 2.2))
+        assert found is Verdict.INCONCLUSIVE
+        assert reason.startswith("exact: ")
+        assert verdict(HALVED[:4], error, exact=1e-14)[0] is Verdict.PASS
+    assert verdict([1, 0.5], [0.0, np.nan], exact=1e-14)[0] is Verdict.ERROR
+
+
+@pytest.mark.parametrize("arguments", [{"exact": -1.0}, {"exact": math.nan}, {"exact": 1e-12, "band": (1.8, 2.2)}])
+def test_an_invalid_tolerance_is_refused(arguments):
+    with pytest.raises(UsageError, match="exact error"):
+        verdict(HALVED, HALVED**2, **arguments)
 
 
 @pytest.mark.parametrize("size", [np.nextafter(0.1, 1), 0.1 * (1 - 9e-7)])

@@ -1,5 +1,7 @@
 """Verdict on an error series from its observed order."""
 
+import numpy as np
+
 from mpmverify.convergence.levels import Numbers, numbers
 from mpmverify.convergence.series import FLAT, ROUND_OFF, STEP_SLACK, Classification, Convergence, analyse
 from mpmverify.convergence.verdict import Judgement, Verdict
@@ -7,6 +9,7 @@ from mpmverify.errors import UsageError
 
 PLAUSIBLE = 12.0
 """Largest credible order in h or dt. A higher one means that a coarse level is unstable, or that a fine level is exact by chance."""
+NOT_FINITE = "the error is not finite on at least one level"
 
 
 def judge_order(series: Convergence, low: float, high: float) -> Judgement:
@@ -35,7 +38,12 @@ def judge_order(series: Convergence, low: float, high: float) -> Judgement:
     """
     kind, fit, used = series.classification, series.fit, int(series.kept.sum())
     if kind is Classification.NON_FINITE:
-        return Verdict.ERROR, "the error is not finite on at least one level"
+        return Verdict.ERROR, NOT_FINITE
+    if kind is Classification.EXACT:
+        return (
+            Verdict.INCONCLUSIVE,
+            f"exact: the error is at most {series.error.max():.1e} on every level, which is round-off and has no order",
+        )
     without = f", without {'; '.join(series.dropped)}" if series.dropped else ""
     if used < 3 or fit is None:
         return Verdict.INCONCLUSIVE, f"{used} of {len(series.h)} levels can be used ({kind}){without}; an order needs three"
@@ -47,7 +55,7 @@ def judge_order(series: Convergence, low: float, high: float) -> Judgement:
     approaches = series.approaches(low, high)
     too_slow, too_fast = step < 0 and not approaches, step > 0 and not approaches
     if series.floor is not None:
-        reason = f"the error stops at a floor of {series.floor.floor:.2e} of the solution: {measured}"
+        reason = f"the error stops at a floor of {series.floor.floor:.2e}: {measured}"
         return Verdict.FAIL if too_slow else Verdict.INCONCLUSIVE, reason
     if kind in (Classification.STAGNANT, Classification.DIVERGENT):
         if too_slow and series.last_two_steps(low) < 0:
@@ -73,6 +81,7 @@ def verdict(
     band: tuple[float, float] | None = None,
     round_off: float = ROUND_OFF,
     uncertainty: float = 0.0,
+    exact: float | None = None,
 ) -> Judgement:
     """Judge an error series from any code.
 
@@ -83,6 +92,8 @@ def verdict(
     band : (float, float), optional
         Accepted band of orders. Without a band, an error that does not converge fails and nothing passes, because an order without
         an expected value verifies nothing.
+    exact : float, optional
+        Demand that no error exceeds this tolerance, instead of an order.
 
     Returns
     -------
@@ -92,8 +103,11 @@ def verdict(
     Raises
     ------
     UsageError
-        If `analyse` refuses the series, or the band is not two numbers in ascending order.
+        If `analyse` refuses the series, the band is not two numbers in ascending order, the tolerance is negative or not a number, or
+        both are given.
     """
+    if exact is not None:
+        return _judge_exact(analyse(h, error), exact, band)
     edges = numbers((FLAT, PLAUSIBLE) if band is None else band, "the band of orders")
     if edges.shape != (2,):
         raise UsageError(f"the band of orders must be two numbers, its lower edge first, not {band!r}")
@@ -105,3 +119,17 @@ def verdict(
     if band is None and found is Verdict.PASS:
         return Verdict.INCONCLUSIVE, f"{reason}; without a band to expect it in, no order passes"
     return found, reason
+
+
+def _judge_exact(series: Convergence, tolerance: float, band: object) -> Judgement:
+    if band is not None:
+        raise UsageError("an exact error has no order: give a band of orders or a tolerance, not both")
+    if not tolerance >= 0:
+        raise UsageError(f"the tolerance of an exact error must not be negative or NaN, but is {tolerance:g}")
+    if series.classification is Classification.NON_FINITE:
+        return Verdict.ERROR, NOT_FINITE
+    largest = int(np.argmax(series.error))
+    found = f"the largest error is {series.error[largest]:.2e}, at h={series.h[largest]:g}"
+    if series.error[largest] <= tolerance:
+        return Verdict.PASS, f"exact to {tolerance:g}: {found}"
+    return Verdict.FAIL, f"not exact to {tolerance:g}: {found}"

@@ -32,6 +32,7 @@ class Classification(StrEnum):
 
     ASYMPTOTIC = "asymptotic"
     PRE_ASYMPTOTIC = "pre-asymptotic"
+    EXACT = "exact"
     ROUND_OFF_FLOOR = "round-off floor"
     FINER_THAN_REFERENCE = "finer than its reference"
     OTHER_FLOOR = "other-error floor"
@@ -211,9 +212,10 @@ def analyse(
     ]
     if kept.sum() < 3:
         kind = Classification.TOO_SHORT
-        if not kept.all():
-            exact = bool(np.any(error <= round_off))
-            kind = Classification.ROUND_OFF_FLOOR if exact else Classification.FINER_THAN_REFERENCE
+        if np.all(error <= round_off):
+            kind = Classification.EXACT
+        elif not kept.all():
+            kind = Classification.ROUND_OFF_FLOOR if np.any(error <= round_off) else Classification.FINER_THAN_REFERENCE
         return result(kind, kept, dropped, fit_order(h[kept], error[kept], confidence) if kept.sum() == 2 else None)
 
     floor = significant_floor(h[kept], error[kept])
@@ -232,7 +234,7 @@ def analyse(
 
     last = pairwise_orders(h[kept], error[kept])[-1]
     grows = last < -FLAT and error[kept][-1] > (1 + STEP_SLACK) * error[kept][-2]
-    if fit.high < 0 or fit.order < -FLAT or grows:
+    if fit.order < -FLAT or grows:
         kind = Classification.DIVERGENT
     elif floor is not None:
         kind = Classification.OTHER_FLOOR
