@@ -63,7 +63,7 @@ def random_gradient(seed, dimension, count=20, size=0.25):
 
 
 def largest(*terms):
-    return max(np.max(np.abs(term)) for term in terms)
+    return max(np.max(np.abs(term), initial=0.0) for term in terms)
 
 
 def tensor(components):
@@ -122,6 +122,7 @@ def test_cofactors(seed, dimension):
 
 MOTIONS = {type(law).__name__: slip_box(law, strain=0.2) for law in LAWS}
 MOTIONS |= {f"{type(law).__name__}, cuboid": slip_box(law, 3, strain=0.15) for law in LAWS}
+MOTIONS |= {f"{type(law).__name__}, bar": slip_box(law, 1, strain=0.4) for law in LAWS}
 MOTIONS |= {
     "layer": clamped_layer(LAWS[2], strain=0.2),
     "layer in 3D": clamped_layer(LAWS[4], 3, strain=0.15),

@@ -13,7 +13,7 @@ from mpmverify.errors import UsageError
 from mpmverify.exact.clamped_shear import clamped_shear
 from mpmverify.exact.drifting_waves import drifting_waves
 from mpmverify.exact.pushed_block import pushed_block
-from mpmverify.exact.spinning_disk import spinning_disk
+from mpmverify.exact.spinning_body import spinning_body
 from mpmverify.exact.two_bodies import two_bodies
 from mpmverify.problem import Block, Fixed, Periodic, Spatial, Traction
 
@@ -30,10 +30,12 @@ FINITE = {
     "layer, other": clamped_shear(3, (-0.1, 0.2), **OTHER),
     "blocks, plane": two_bodies(2),
     "blocks, space": two_bodies(3),
-    "disk": spinning_disk(),
-    "disk, other": spinning_disk(spin=-0.8, radians=2.0, **OTHER),
+    "disk": spinning_body(),
+    "cube, spinning": spinning_body(3),
+    "disk, other": spinning_body(spin=-0.8, radians=2.0, **OTHER),
 }
 PUSHED = {"pushed, plane": pushed_block(2), "pushed, space": pushed_block(3, youngs_modulus=3.0, density=2.0)}
+PUSHED |= {f"{name}, {d}D": pushed_block(d, name) for d in (2, 3) for name in ("joined", "pair")}
 PROBLEMS = FINITE | PUSHED
 finite = pytest.mark.parametrize("verification", FINITE.values(), ids=FINITE.keys())
 pushed = pytest.mark.parametrize("verification", PUSHED.values(), ids=PUSHED.keys())
@@ -102,7 +104,7 @@ def test_a_pushed_block_obeys_linear_elasticity_away_from_its_fronts(verificatio
     problem, fields, law = verification.problem, verification.exact.fields, verification.problem.material
     t = 0.5 * problem.end_time * np.ones(1)
     X = points(problem, 400, margin=0.03)
-    (side,) = problem.shape.bodies
+    side = problem.shape.bodies[0]
     front = law.wave_speed * t[0]
     distance = np.abs(np.stack([side.upper[0] - X[:, 0], X[:, 1] - side.lower[1], *(side.upper[2:] - X[:, 2:]).T]))
     X = X[np.all(np.abs(distance - front) > 0.03, axis=0)]
@@ -120,24 +122,30 @@ def test_a_pushed_block_obeys_linear_elasticity_away_from_its_fronts(verificatio
 @pushed
 def test_sides_of_a_pushed_block_are_loaded_as_prescribed_and_else_free(verification):
     problem, stress = verification.problem, verification.exact.fields["stress"]
-    (body,), t = problem.shape.bodies, np.linspace(0, problem.end_time, 9)
-    for k, (name, corner) in itertools.product(range(problem.dimension), (("-", body.lower), ("+", body.upper))):
-        face = "xyz"[k] + name
+    t = np.linspace(0, problem.end_time, 9)
+    for body, k, (name, end) in itertools.product(
+        problem.shape.bodies, range(problem.dimension), (("-", "lower"), ("+", "upper"))
+    ):
+        corner, face = getattr(body, end), "xyz"[k] + name
         X = np.random.default_rng(3).uniform(body.lower, body.upper, (20, problem.dimension))
         X[:, k] = corner[k]
         on_box = corner[k] == (problem.lower if name == "-" else problem.upper)[k]
-        expected = problem.boundary[face].value(t) if on_box else np.zeros(9)
+        loaded = on_box and problem.boundary[face] != Periodic()
+        expected = problem.boundary[face].value(t) if loaded else np.zeros(9)
         for c, pair in enumerate(PAIRS[problem.dimension]):
             wanted = expected if pair == (k, k) else np.zeros(9)
             if k in pair:
                 np.testing.assert_allclose(stress(X, t)[..., c], np.tile(wanted[:, None], 20), rtol=0, atol=1e-20)
-    loaded = [face for face, condition in problem.boundary.items() if condition != Traction()]
-    assert len(loaded) == problem.dimension
-    for face in loaded:
-        (side,) = problem.touched(face)
-        k = "xyz".index(face[0])
-        widths = [np.delete(np.subtract(b.upper, b.lower), k).prod() for b in (side, Block(problem.lower, problem.upper))]
-        assert widths[0] < widths[1], "the side is a part of the face"
+    faces = [face for face, condition in problem.boundary.items() if condition not in (Traction(), Periodic())]
+    assert len(faces) == sum(p.any() for p in verification.exact.totals["momentum"](t).T)
+    for face in faces:
+        sides, k = problem.touched(face), "xyz".index(face[0])
+        assert len(sides) == len(problem.shape.bodies)
+        area, whole = (
+            sum(np.delete(np.subtract(b.upper, b.lower), k).prod() for b in blocks)
+            for blocks in (sides, [Block(problem.lower, problem.upper)])
+        )
+        assert area < whole or Periodic() in problem.boundary.values(), "the side is a part of the face"
 
 
 @every
@@ -248,8 +256,10 @@ def test_problems_are_frozen_and_picklable_and_their_equations_render_as_mathml(
         (lambda: clamped_shear(1), "2 or 3 dimensions, not 1"),
         (lambda: clamped_shear(2, (0.0, 1.0)), "must not be zero"),
         (lambda: pushed_block(1), "2 or 3 dimensions, not 1"),
-        (lambda: spinning_disk(spin=0.0), "a spin that is not zero"),
-        (lambda: spinning_disk(radians=-1.0), "final time must be positive"),
+        (lambda: pushed_block(2, "row"), "corner, joined, pair, not 'row'"),
+        (lambda: spinning_body(1), "2 or 3 dimensions, not 1"),
+        (lambda: spinning_body(spin=0.0), "a spin that is not zero"),
+        (lambda: spinning_body(radians=-1.0), "final time must be positive"),
         (lambda: two_bodies(1), "2 or 3 dimensions, not 1"),
     ],
 )

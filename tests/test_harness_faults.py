@@ -340,6 +340,8 @@ def round_off_of_the_momentum_scales_with_what_moves(c: ModuleType) -> None:
                 sound, position=moved, fields=fields, histories={"time": sound.histories["time"], "impulse": np.zeros(5)}
             )
             off = with_history(balanced, momentum=np.array([0.0, 0.0, defect, 0.0, 0.0]))
+            size = MATERIAL.density * (3.0 + 3.0) / 3
+            same(c.Balance("momentum", "impulse", "").measure(off, SETTING)["momentum_defect"], defect / size, rtol=1e-12)
             assert verdict_on(c.Balance("momentum", "impulse", ""), off)[0] == expected
 
 
@@ -398,6 +400,16 @@ def unstable_runs_must_be_reported_as_unstable(c: ModuleType) -> None:
     assert ended("non-finite; at step 2") == "ERROR"
 
 
+def totals_are_exact_at_every_step(c: ModuleType) -> None:
+    exact = ExactSolution({}, "", totals={"momentum": lambda t: 3.0 * t[:, None]})
+    setting = Setting(VerificationProblem(BAR, exact, "", ()), Discretisation(0.5, 0.5))
+    criterion, sound = c.ExactTotal("momentum", ""), sampled()
+    for k in range(6):
+        momentum = 3.0 * sound.histories["time"] + 1e-9 * (np.arange(5) == k)
+        measured = criterion.measure(with_history(sound, momentum=momentum), setting)
+        assert verdict_on_metrics(criterion, measured)[0] == ("FAIL" if k < 5 else "PASS")
+
+
 PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
     "convergence": (
         orders_use_the_sizes,
@@ -416,6 +428,7 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         histories_are_sums_of_the_fields,
         a_zero_momentum_with_zero_impulse_is_detected,
         round_off_of_the_momentum_scales_with_what_moves,
+        totals_are_exact_at_every_step,
         missing_fields_and_histories_are_named_and_do_not_pass,
         energy_that_increases_again_does_not_decay,
         a_stall_has_a_known_size,
@@ -538,6 +551,10 @@ FAULTS = {
     "drift for rise": Fault(HISTORIES, "np.minimum.accumulate(total)", "total[0]"),
     "last rise alone": Fault(HISTORIES, "np.minimum.accumulate(total)", "np.minimum(total, total[-1])"),
     "scale of the net momentum alone": Fault(HISTORIES, "scales.append(moved_momentum(", "scales.append(0 * moved_momentum("),
+    "speed of what moves for its momentum": Fault(HISTORIES, "return float(density * np.max(", "return float(np.max("),
+    "total at the last step alone": Fault(
+        HISTORIES, "for name in names]).T - exact\n", "for name in names]).T - exact\n        defect = defect[-1:]\n"
+    ),
     "momentum of the last point": Fault(HISTORIES, "axis=2) @ solution.weight[0]", "axis=2)[:, -1:]"),
     "any size stalls": Fault(ERRORS, "if not (self.low <= min(before, finest) and max(before, finest) <= self.high):", "if False:"),
     "small errors stall": Fault(ERRORS, "if not (self.low <= min(before, finest) and max", "if not (max"),

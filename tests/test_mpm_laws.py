@@ -14,6 +14,9 @@ from hypothesis.extra.numpy import arrays
 
 import mpmverify.problem.material
 from mpmverify.errors import UsageError
+from mpmverify.exact.homogeneous import Homogeneous
+from mpmverify.exact.motion import initial_velocity
+from mpmverify.problem import Block, Discretisation, Problem, Traction
 from mpmverify.problem.material import (
     Hencky,
     KelvinVoigt,
@@ -443,3 +446,17 @@ def test_a_yeoh_body_refuses_to_soften_without_bound(second, third, why):
 def test_a_material_refuses_moduli_without_stiffness(material, youngs_modulus, poissons_ratio):
     with pytest.raises(UsageError, match="Young's modulus"):
         replace(material, youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio)
+
+
+def test_the_heat_of_a_viscous_body_is_that_of_its_current_volume():
+    """A heavy free bar is drawn to one and a half times its length, at a power of theta (lambda + 2 mu)/(1 + t)^2 per volume."""
+    law = KelvinVoigt(1.0, 1e6, 0.3, viscosity=0.7)
+    motion = Homogeneous(law, ((1.0,),), (1.0,))
+    free, drawn = {"x-": Traction(), "x+": Traction()}, initial_velocity(motion)
+    problem = Problem("drawn bar", (0.0,), (2.0,), law, free, 0.5, drawn, shape=Block((0.5,), (1.5,)))
+    heat = []
+    for h in (1 / 32, 1 / 64):
+        solution = mpm.MaterialPoint("USL").solve(problem, Discretisation(h, 0.01 * law.wave_speed / h, 2))
+        heat.append(solution.histories["dissipated_energy"][-1])
+    exact = law.retardation_time * (law.lame_lambda + 2 * law.shear_modulus) * math.log(1.5)
+    assert 2 * heat[1] - heat[0] == pytest.approx(exact, rel=0.01), "the surface is off by O(h)"

@@ -92,30 +92,13 @@ def test_a_body_at_rest_fails_by_every_stall(study: str, case: str) -> None:
         assert found.reason.endswith("at errors of 1 and 1, which are not of the size that is known of the scheme")
 
 
-STARTED = (
-    "particles start without an affine velocity, or with the lumped mass of a free surface: velocity and stress of order 3/2"
-)
-NOT_BY_DEFAULT = {
-    ("patch-tests", "rotation, 2D"): STARTED,
-    ("patch-tests", "rotation, 3D"): STARTED,
-    ("plane-waves", "clamped-cuboid"): "so coarse a ladder leaves the order open",
-    ("plane-waves", "kelvin-voigt"): "its ladder takes dt ~ h^2, on which the orders that a solver declares do not hold",
-    ("loads-and-supports", "block, space"): "so coarse a ladder leaves the order open",
-    ("loads-and-supports", "layer, splines"): STARTED,
-    ("moving-bodies", "disk"): STARTED,
-}
-"""Cases on which a right solver does not pass by what it declares alone, and why."""
-
-
 def converging() -> Iterator[Any]:
     """Every shipped solver on every case on which its study expects that it converges."""
     for name in studies.NAMES:
         for case in studies.get(name).in_tier("quick").cases:
             solvers = [s.solver for s in case.series if any(isinstance(c, Order | Separated) for c in s.criteria)]
-            why = NOT_BY_DEFAULT.get((name, case.name))
-            marks = [pytest.mark.xfail(reason=why, strict=True)] if why else []
             for solver in dict.fromkeys(solvers):
-                yield pytest.param(name, case.name, solver, id=f"{name}-{case.name}-{solver.name}", marks=marks)
+                yield pytest.param(name, case.name, solver, id=f"{name}-{case.name}-{solver.name}")
 
 
 @pytest.mark.parametrize(("study", "case", "solver"), list(converging()))

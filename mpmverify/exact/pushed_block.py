@@ -1,6 +1,7 @@
 """Free block that is pushed or pulled on one side along each axis: plane waves that do not meet, and momentum p A t^2/(2 T)."""
 
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -8,9 +9,10 @@ from mpmverify.errors import UsageError
 from mpmverify.exact.elastic_bar import CITATION, Integral, RampLoad
 from mpmverify.exact.open_bar import LeftgoingWave
 from mpmverify.exact.solution import ExactSolution, VerificationProblem
-from mpmverify.problem import Array, Block, NeoHookean, Problem, Traction
+from mpmverify.problem import Array, Block, Bodies, BoundaryCondition, NeoHookean, Periodic, Problem, Traction
 from mpmverify.problem.quantities import SYMMETRIC
 
+Arrangement = Literal["corner", "joined", "pair"]
 LOADED = ("x+", "y-", "z+")
 """Faces of the box that load a side of the block."""
 STRAINS = (-4e-7, 2e-7, 2.5e-7)
@@ -41,7 +43,7 @@ class WavesFromSides:
     material: NeoHookean
 
     def __call__(self, X: Array, t: Array) -> Array:
-        c, dimension = self.material.wave_speed, len(self.loads)
+        c, dimension = self.material.wave_speed, X.shape[1]
         values = np.zeros((len(t), len(X), dimension if self.quantity != "stress" else len(SYMMETRIC[dimension])))
         for k, (load, side, face) in enumerate(zip(self.loads, self.sides, LOADED, strict=False)):
             normal = 1.0 if face[1] == "+" else -1.0
@@ -60,24 +62,35 @@ class MomentumOfLoads:
     loads : tuple of RampLoad
         Traction p across each axis.
     areas : tuple of float
-        Signed area n A of the loaded side across each axis [m^(dim - 1)].
+        Signed area n A of the loaded sides across each axis [m^(dim - 1)]; 0 where there is no load.
     """
 
     loads: tuple[RampLoad, ...]
     areas: tuple[float, ...]
 
     def __call__(self, t: Array) -> Array:
-        return np.stack([area * load.integral(t) for load, area in zip(self.loads, self.areas, strict=True)], axis=1)
+        values = np.zeros((len(t), len(self.areas)))
+        for k, load in enumerate(self.loads):
+            values[:, k] = self.areas[k] * load.integral(t)
+        return values
 
 
 def pushed_block(
-    dimension: int = 2, *, youngs_modulus: float = 9.0, density: float = 4.0, outputs: int = 16
+    dimension: int = 2,
+    arrangement: Arrangement = "corner",
+    *,
+    youngs_modulus: float = 9.0,
+    density: float = 4.0,
+    outputs: int = 16,
 ) -> VerificationProblem:
     """Free block in a corner of a larger box, with a traction that rises in proportion to time on one side across each axis.
 
     Parameters
     ----------
     dimension : {2, 3}
+    arrangement : {"corner", "joined", "pair"}
+        In place of the block in a corner, one that spans the last axis, whose ends are joined, or two blocks apart from each other along
+        the last axis. No load acts along the last axis of these two.
     youngs_modulus, density : float
         E [Pa], rho [kg/m^3]; nu = 0.
     outputs : int
@@ -86,7 +99,7 @@ def pushed_block(
     Raises
     ------
     UsageError
-        If the dimension is not 2 or 3.
+        If the dimension is not 2 or 3, or the arrangement is unknown.
 
     Notes
     -----
@@ -96,26 +109,36 @@ def pushed_block(
     """
     if dimension not in (2, 3):
         raise UsageError(f"the pushed block has 2 or 3 dimensions, not {dimension!r}")
+    if arrangement not in get_args(Arrangement):
+        raise UsageError(f"the pushed block is arranged as {', '.join(get_args(Arrangement))}, not {arrangement!r}")
     material = NeoHookean(youngs_modulus, density)
     lower, upper = (0.5, 0.0, 0.25)[:dimension], (1.5, 0.75, 1.0)[:dimension]
-    box = (0.0,) * dimension, (1.5, 1.0, 1.0)[:dimension]
-    lengths = np.subtract(upper, lower)
-    end_time = 0.9 * float(lengths.min()) / material.wave_speed
-    faces = LOADED[:dimension]
-    loads = tuple(RampLoad(strain * youngs_modulus, end_time) for strain in STRAINS[:dimension])
+    box = (1.5, 1.0, 1.0)[:dimension]
+    spans = {"corner": ((lower[-1], upper[-1]),), "joined": ((0.0, box[-1]),), "pair": ((0.0, 0.25), (0.5, box[-1]))}[
+        arrangement
+    ]
+    blocks = tuple(Block((*lower[:-1], start), (*upper[:-1], end)) for start, end in spans)
+    pushed = dimension - (arrangement != "corner")
+    lengths = np.array([*np.subtract(upper, lower)[:-1], sum(end - start for start, end in spans)])
+    end_time = 0.9 * float(lengths[:pushed].min()) / material.wave_speed
+    faces = LOADED[:pushed]
+    loads = tuple(RampLoad(strain * youngs_modulus, end_time) for strain in STRAINS[:pushed])
     sides = tuple(upper[k] if face[1] == "+" else lower[k] for k, face in enumerate(faces))
-    areas = tuple(float((1 if face[1] == "+" else -1) * lengths.prod() / lengths[k]) for k, face in enumerate(faces))
-    free = {axis + side: Traction() for axis in "xyz"[:dimension] for side in "-+"}
+    areas = [float((1 if face[1] == "+" else -1) * lengths.prod() / lengths[k]) for k, face in enumerate(faces)]
+    areas += [0.0] * (dimension - pushed)
+    free: dict[str, BoundaryCondition] = {axis + side: Traction() for axis in "xyz"[:dimension] for side in "-+"}
+    if arrangement == "joined":
+        free |= {"xyz"[dimension - 1] + side: Periodic() for side in "-+"}
     return VerificationProblem(
         problem=Problem(
-            name=f"pushed-block-{dimension}d",
-            lower=box[0],
-            upper=box[1],
+            name=f"pushed-block-{dimension}d" + ("" if arrangement == "corner" else f"-{arrangement}"),
+            lower=(0.0,) * dimension,
+            upper=box,
             material=material,
             boundary=free | {face: Traction(load) for face, load in zip(faces, loads, strict=True)},
             end_time=end_time,
             outputs=outputs,
-            shape=Block(lower, upper),
+            shape=blocks[0] if len(blocks) == 1 else Bodies(blocks),
         ),
         exact=ExactSolution(
             fields={
@@ -124,7 +147,7 @@ def pushed_block(
             },
             citation=CITATION,
             derivatives=RampLoad.derivatives,
-            totals={"momentum": MomentumOfLoads(loads, areas)},
+            totals={"momentum": MomentumOfLoads(loads, tuple(areas))},
         ),
         exposes="A traction on a part of a face: its area, sign and direction, and free sides inside the box.",
         equations=(

@@ -1,4 +1,4 @@
-"""P and S modes of a rectangle or a cuboid between slip walls, of any elastic or viscoelastic material."""
+"""P and S modes of a bar, a rectangle or a cuboid between slip walls, of any elastic or viscoelastic material."""
 
 import math
 
@@ -24,14 +24,14 @@ def slip_box(
     periods: float = 1.3,
     outputs: int = 32,
 ) -> VerificationProblem:
-    """Box between rollers with one P mode and one S mode, which starts strained and moving.
+    """Box between rollers with one P mode and, but in a bar, one S mode, which starts strained and moving.
 
     Parameters
     ----------
     material : LinearElastic
         Any of its kinds. At small strain the modes are free. A hyperelastic body follows the same motion under a body force.
-    dimension : {2, 3}
-        Rectangle or cuboid, with sides 1, 1.5 and 2 m away from the origin. The shears of the cuboid all differ.
+    dimension : {1, 2, 3}
+        Bar, rectangle or cuboid, with sides 1, 1.5 and 2 m away from the origin. The shears of the cuboid all differ.
     strain : float
         Amplitude of the displacement gradient of each mode [1].
     periods : float
@@ -42,7 +42,7 @@ def slip_box(
     Raises
     ------
     UsageError
-        If the dimension is not 2 or 3, or the strain is too large for a hyperelastic body; see `motion_of`.
+        If the dimension is not 1, 2 or 3, or the strain is too large for a hyperelastic body; see `motion_of`.
 
     Notes
     -----
@@ -54,13 +54,16 @@ def slip_box(
     ----------
     Graff K. F. (1975). Wave Motion in Elastic Solids. Clarendon Press, Oxford.
     """
-    if dimension not in (2, 3):
-        raise UsageError(f"a slip-wall box has 2 or 3 dimensions, not {dimension!r}: use the axial vibration in one dimension")
+    if dimension not in (1, 2, 3):
+        raise UsageError(f"a slip-wall box has 1, 2 or 3 dimensions, not {dimension!r}")
     lower, sides = LOWER[:dimension], SIDES[:dimension]
     k = tuple(math.pi / side for side in sides)
     phases = [-a * b for a, b in zip(k, lower, strict=True)]
-    p, s = p_and_s(k, ACROSS[:dimension], strain)
-    waves = (*between_walls(p, k, phases, 0.9), *between_walls(s, k, phases, -0.6))
+    if dimension == 1:
+        waves = between_walls((strain / k[0],), k, phases, 0.9)
+    else:
+        p, s = p_and_s(k, ACROSS[:dimension], strain)
+        waves = (*between_walls(p, k, phases, 0.9), *between_walls(s, k, phases, -0.6))
     return plane_wave_problem(
         f"slip-box-{dimension}d-{type(material).__name__}-{strain:g}",
         motion_of(material, waves),

@@ -52,7 +52,13 @@ def merged(studies: Iterable[Study]) -> list[Study]:
     return list(table.values())
 
 
-PATCH, WAVES, LOADS, MOVING = "patch-tests", "plane-waves", "loads-and-supports", "moving-bodies"
+PATCH, WAVES, LOADS, MOVING, LARGE = (
+    "patch-tests",
+    "plane-waves",
+    "loads-and-supports",
+    "moving-bodies",
+    "large-deformation",
+)
 VIBRATION, DRIVEN, BAR, ADVECTION, DECK, MANUFACTURED, DISPERSION = (
     "axial-vibration",
     "driven-bar",
@@ -89,10 +95,33 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(MANUFACTURED, "crossing", "mpm-tl-quadratic-usf-flip"),
         Trial(DISPERSION, "fixed-fixed", "mpm-tl-linear-usl-flip"),
         Trial(DISPERSION, "beyond-the-limit", "mpm-tl-linear-usl-flip"),
+        Trial(WAVES, "yeoh-bar", "mpm-tl-linear-musl-flip"),
+        Trial(WAVES, "neo-hookean-split-bar", "mpm-tl-linear-musl-flip"),
+        Trial(WAVES, "saint-venant-kirchhoff-bar", "mpm-tl-linear-musl-flip"),
         Trial(WAVES, "yeoh", "mpm-tl-linear-musl-flip"),
         Trial(WAVES, "hencky", "mpm-tl-linear-musl-flip"),
+        Trial(WAVES, "kelvin-voigt", "mpm-ul-linear-musl-flip"),
+        Trial(WAVES, "maxwell", "mpm-ul-linear-musl-flip"),
+        Trial(WAVES, "plane-stress", "mpm-ul-linear-musl-flip"),
+        Trial(VIBRATION, "small-strain", "mpm-tl-linear-usl-xpic2"),
+        Trial(VIBRATION, "small-strain", "mpm-tl-linear-usl-fmpm2"),
+        Trial(PATCH, "translation, 1D", "mpm-ul-cubic-usl-flip"),
+        Trial(MOVING, "ring", "mpm-ul-cubic-usl-flip"),
+        Trial(PATCH, "shear, 1D", "mpm-ul-cpdi-musl-flip"),
+        Trial(PATCH, "shear, 1D", "mpm-ul-ugimp-musl-flip"),
+        Trial(MOVING, "square", "mpm-ul-cpdi-usl-flip"),
+        Trial(MOVING, "square", "mpm-ul-cpgimp-usl-flip"),
+        Trial(MOVING, "square", "mpm-ul-quadratic-usl-tpic"),
+        Trial(MOVING, "square", "mpm-tl-linear-musl-flip-nodalforce"),
+        Trial(LOADS, "block, plane", "mpm-ul-ugimp-usl-flip"),
+        Trial(LOADS, "block, pair", "mpm-ul-linear-usl-flip"),
+        Trial(MOVING, "blocks, plane", "mpm-ul-linear-musl-flip"),
         Trial(MOVING, "disk", "mpm-ul-quadratic-usl-apic"),
         Trial(PATCH, "rotation, 2D", "mpm-ul-quadratic-musl-apic"),
+        Trial(MOVING, "cube, spinning", "mpm-ul-quadratic-usl-apic"),
+        Trial(LARGE, "bases", "mpm-ul-mls-quadratic-usl-flip"),
+        Trial(MOVING, "square, several threads", "mpm-ul-quadratic-usl-apic"),
+        Trial(WAVES, "yeoh-cuboid", "mpm-tl-linear-musl-flip"),
     ),
     "taylor_galerkin": (
         Trial(DECK, "deck", "tg-lumped"),
