@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import stdtrit
 
 from mpmverify.convergence.levels import Array
+from mpmverify.convergence.student import student_quantile
 
 CONFIDENCE = 0.95
 """Confidence level of the interval of an order."""
@@ -91,7 +91,7 @@ def fit_order(h: Array, error: Array, confidence: float = CONFIDENCE) -> Fit:
     if len(h) > 2:
         residual = y - (intercept + order * x)
         standard_error = math.sqrt(float(residual @ residual) / (len(h) - 2) / sxx)
-        half_width = float(stdtrit(len(h) - 2, 0.5 + confidence / 2)) * standard_error
+        half_width = student_quantile(len(h) - 2, confidence) * standard_error
     return Fit(order, order - half_width, order + half_width, constant)
 
 
