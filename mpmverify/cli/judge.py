@@ -115,8 +115,8 @@ def _cells(columns: "Columns", found: Iterable["JudgedColumn"], row: int) -> Ite
         given = bool(columns.table.given(column.column)[row])
         yield value if math.isfinite(value) else str(value) if given else NOTHING
         if column.series:
-            order = column.orders.get(row)
-            yield NOTHING if order is None else f"{round(order, 3) + 0.0:.3f}"
+            order = column.orders.get(row, math.nan)
+            yield NOTHING if math.isnan(order) else f"{round(order, 3) + 0.0:.3f}"
 
 
 def _data(columns: "Columns", found: Iterable["JudgedColumn"]) -> dict[str, Any]:

@@ -37,6 +37,11 @@ class Demands:
         As in `analyse`, in the unit of the table.
     exact : float, optional
         As in `verdict`.
+
+    Raises
+    ------
+    UsageError
+        If a scale is not positive and finite, or the error at round-off is negative or not finite.
     """
 
     low: ByColumn = field(default_factory=dict)
@@ -45,6 +50,13 @@ class Demands:
     round_off: float = ROUND_OFF
     uncertainty: float = 0.0
     exact: float | None = None
+
+    def __post_init__(self) -> None:
+        for scale in self.scale.values():
+            if not 0 < scale < np.inf:
+                raise UsageError(f"the scale must be positive and finite, not {scale:g}")
+        if not 0 <= self.round_off < np.inf:
+            raise UsageError(f"the error at round-off must not be negative, and finite, but is {self.round_off:g}")
 
     def band(self, *names: str) -> tuple[float, float] | None:
         """Band for the first of these names that has an edge, or else for all; None without one."""

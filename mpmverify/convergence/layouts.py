@@ -64,9 +64,8 @@ def _separated(text: Text) -> Rows:
         elif not RULE.fullmatch(line):
             starts_with_number = number(plain(re.split(r"[\s,;]", line.strip(), maxsplit=1)[0])) is not None
             lines.append((at, re.sub(r"\s(?:#|!|//).*", "", line) if starts_with_number else line))
-    last = [line for _, line in lines[-3:]]
     for separator in "\t;,":
-        if all(separator in line.strip() for line in last):
+        if 2 * sum(separator in line.strip() for _, line in lines) > len(lines):
             found = _cut(text.place, lines, comments, separator)
             if not any(re.search(r"\d\s+[-+\d.]", cell) for _, cells in found.rows[1:] for cell in cells):
                 return found
