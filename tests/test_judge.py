@@ -130,7 +130,12 @@ def test_errors_finer_than_their_reference_are_dropped(judge):
 
 @pytest.mark.parametrize(
     ("name", "option"),
-    [("cells", ("--cells", "2")), ("N", ("--cells", "2")), ("ndofs", ("--dofs", "2")), ("who knows", ("--h", "who knows", "--dofs", "2"))],
+    [
+        ("cells", ("--cells", "2")),
+        ("N", ("--cells", "2")),
+        ("ndofs", ("--dofs", "2")),
+        ("who knows", ("--h", "who knows", "--dofs", "2")),
+    ],
 )
 def test_a_count_becomes_a_size_by_its_dimension(judge, name, option):
     table = f"{name},u\n" + "".join(f"{n * n},{n**-2.0!r}\n" for n in (8, 16, 32, 64))
@@ -169,7 +174,9 @@ def test_a_design_goes_to_the_separation_of_sources(judge):
     assert verdicts(judge(DESIGN, *bands, "--low", "dt=1.5", "--high", "dt=2")) == {"u": "FAIL"}
     assert verdicts(judge(DESIGN)) == {"u": "INCONCLUSIVE"}
     assert "no exponent passes" in judge(DESIGN).output
-    matrix = "h \\ dt,0.2,0.1,0.05,0.025\n" + "".join(f"{h}," + ",".join(repr(3 * h**2 + dt) for dt in LADDER) + "\n" for h in LADDER)
+    matrix = "h \\ dt,0.2,0.1,0.05,0.025\n" + "".join(
+        f"{h}," + ",".join(repr(3 * h**2 + dt) for dt in LADDER) + "\n" for h in LADDER
+    )
     assert verdicts(judge(matrix, *bands)) == {"error": "PASS"}
 
 
@@ -185,7 +192,9 @@ def test_a_size_that_does_not_vary_is_none(judge):
 
 
 def test_methods_and_degrees_are_series_of_their_own(judge):
-    table = "scheme,p,h,u\n" + "".join(f"{name},{p},{h},{h ** (p + 1)!r}\n" for name in ("FLIP", "PIC") for p in (1, 2) for h in LADDER)
+    table = "scheme,p,h,u\n" + "".join(
+        f"{name},{p},{h},{h ** (p + 1)!r}\n" for name in ("FLIP", "PIC") for p in (1, 2) for h in LADDER
+    )
     found = verdicts(judge(table, *BAND))
     assert found == {f"u (scheme={name}, p={p})": {1: "PASS", 2: "FAIL"}[p] for name in ("FLIP", "PIC") for p in (1, 2)}
 
@@ -212,7 +221,9 @@ def test_what_separates_and_how_levels_are_ordered_does_not_matter(judge, same):
 
 
 @pytest.mark.parametrize("form", ["markdown", "latex", "csv"])
-@pytest.mark.parametrize("content", [SECOND, powers(LADDER, 1, 2), SECOND.replace("1.0e-3", "nan"), SECOND.replace("1.0e-3", "-")])
+@pytest.mark.parametrize(
+    "content", [SECOND, powers(LADDER, 1, 2), SECOND.replace("1.0e-3", "nan"), SECOND.replace("1.0e-3", "-")]
+)
 def test_every_format_is_read_again(judge, form, content):
     first = judge(content, *BAND, "--format", form)
     again = judge(first.output, *BAND)

@@ -34,18 +34,21 @@ NAMES: dict[Role, str] = {
     r"|1(h|dx)|(h|dx)inv|inv(erse)?h",
     Role.STEPS: r"(time)?steps|nt",
     Role.CELLS: r"n|(cell|element|elem|elt|el|triangle|quad|zone|volume|interval)s?|tets|tetrahedra|hexes|grid|mesh|resolution",
-    Role.DOFS: r"dofs?|degreesoffreedom|unknowns?|nodes|vertices|(grid|mesh|material)?points|particles|equations",
+    Role.DOFS: r"dofs?|degreesoffreedom|unknowns?|nodes|vertices|(grid|mesh|material)?(points|pts)|particles|equations",
     Role.LEVEL: r"(refinement|mesh|grid|ref)?(levels?|lvl|lev|cycle)|refinements?|refs?",
+    Role.RATE: r"r|o(1|2|inf)|p(obs|hat)",
+    Role.OTHER: r"t|s",
     Role.DEGREE: r"p|k|q|deg(ree)?|poly(nomial)?deg(ree)?|(degree|order)[pkq]",
 }
-"""Whole names of sizes and counts, without blanks, "number of" and the like."""
+"""Whole names without blanks, and of counts without "number of" and the like."""
 COUNTED = frozenset({"number", "of", "num", "no", "nb", "n", "total", "active", "global", "free"})
 """Words before a count that say nothing more."""
 RATES = re.compile("(conv)?rates?|orders?|ord|obs(erved)?|eoc.*|oc|ro?c|ooc|slopes?|conv|ratios?|reduction|quotient|log")
 """A word in the name of a column of rates."""
 ERRORS = re.compile(".*err(ors?)?")
 OTHERS = re.compile(
-    "times?|t|s(ec(ond)?s?)?|cpu|wall(time)?|runtime|clock|hours|minutes|ms|iter(ation)?s?|its?|nits?|niter|newton|mem(ory)?|[mg]b|flops"
+    "cells|elem(ent)?s|n?dofs|nodes|vertices|faces|edges|particles|unknowns|"
+    "times?|sec(ond)?s?|cpu|wall(time)?|runtime|clock|hours|minutes|ms|iter(ation)?s?|its?|nits?|niter|newton|mem(ory)?|[mg]b|flops"
     "|cost|cond(ition)?|cfl|courant|seeds?|samples?|replicates?|run|id|index|cores|procs|ranks|threads"
 )
 """A word in the name of a column that holds neither sizes nor errors."""

@@ -141,11 +141,12 @@ def choose(
             f"{table.place} begins with numbers: name the columns in the first line, such as h,{what}, or say which is which, "
             f"such as --h 1 --{what} 2"
         )
-    found = _sizes(table, sizes, [name for name in table.names if name not in judged], conversion)
+    counters = [name for name in table.names if role(name) not in (*SIZES, Role.LEVEL) and _counts_rows(table, name)]
+    found = _sizes(table, sizes, [name for name in table.names if name not in (*judged, *counters)], conversion)
     rest = [name for name in table.names if name not in {size.column for size in found.values()}]
     text = [name for name in rest if table.is_text(name)]
     by = _grouping(table, found, [name for name in rest if name not in judged and (name in text or _is_degree(table, name))])
-    known = (*text, *by, INDEX)
+    known = (*text, *by, *counters, INDEX)
     judged = tuple(dict.fromkeys(judged)) or tuple(
         name for name in rest if name not in known and role(name) in (Role.ERROR, Role.DEGREE) and not _is_degree(table, name)
     )
@@ -154,6 +155,11 @@ def choose(
         raise UsageError(f"{table.place} has no column of {what}s beside {named}: name one with --{what}")
     neither = tuple(name for name in rest if name not in (*judged, *by))
     return Columns(table, found, judged, by, neither, tuple(_groups(table, found, by)))
+
+
+def _counts_rows(table: Table, name: str) -> bool:
+    """Whether a column is 0, 1, 2 and so on."""
+    return table.cells(name) == tuple(str(row) for row in range(len(table.rows)))
 
 
 def _is_degree(table: Table, name: str) -> bool:

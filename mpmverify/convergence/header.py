@@ -39,7 +39,7 @@ def header(rows: Sequence[Row], comments: Sequence[tuple[int, str]], is_number: 
         body.pop()  # expected orders, say
     if not body:
         return (named[-1] if named else ()), body
-    width = len(body[0][1])
+    width = max(len(cells) for _, cells in body)
     while len(named) > 1 and all(_UNIT.fullmatch(cell) for cell in named[-1]):
         named.pop()
     while len(named) > 1 and width > 1 and len(set(named[0]) - {""}) <= 1:
@@ -56,13 +56,15 @@ def header(rows: Sequence[Row], comments: Sequence[tuple[int, str]], is_number: 
 
 
 def _is_level(rows: Sequence[Row], at: int, is_number: IsNumber) -> bool:
-    """Whether a row holds numbers, and neither units nor the sizes of a design."""
+    """Whether a row holds numbers, and neither units nor numbers that name its columns."""
     cells = rows[at][1]
     if not any(map(is_number, cells)):
         return False
-    if at == 0 and len(cells) > 2 and _TWO_NAMES.fullmatch(cells[0]) and all(map(is_number, cells[1:])):
-        return False
     below = rows[at + 1][1] if at + 1 < len(rows) else ()
+    titles = all(len(set(above) - {""}) <= 1 for _, above in rows[:at])
+    numbered = len(cells) > 2 and not is_number(cells[0]) and all(map(is_number, cells[1:]))
+    if titles and numbered and below and is_number(below[0]):
+        return False  # columns that are named by numbers
     units = all(_UNIT.fullmatch(cell) for cell in cells) and len(below) == len(cells)
     unlike = any(
         is_number(low) and not is_number(cell) and not is_missing(cell) for cell, low in zip(cells, below, strict=False)

@@ -17,7 +17,7 @@ COMMENT = re.compile(r"\s*(?:#+|%+|!+|//)\s?(.*)")
 LARGEST_HEADER = 16
 """Largest number of single spaces in a line of names that are tried."""
 _PAIR = re.compile(r"([^\s=:,;|][^=:,;|]*?)\s*(?:=|:(?!\S*:))\s*([^\s,;|=]+)(?=[\s,;|]|$)")
-_LIST = re.compile(r"\s*[\"']?([^=:\[\]\"']+?)[\"']?\s*[=:]\s*(?:[\w.]+\()?\s*[\[{(](.*?)[\]})]+\s*[;,]?\s*")
+_LIST = re.compile(r"[\"']?([^\s=:,;\[\]{}()\"'][^=:\[\]{}()\"'\n]*?)[\"']?\s*[=:]\s*(?:[\w.]+\()?[\[{(]+([^=:\[\]{}()]*)[\]})]+'?\)*")
 
 
 def rows(text: Text) -> Rows:
@@ -33,13 +33,14 @@ def rows(text: Text) -> Rows:
 
 
 def _lists(text: Text) -> Rows | None:
-    """Read one list for each column, as in Python, MATLAB or JSON: h = [0.1, 0.05]."""
-    found = [
-        (at, _LIST.fullmatch(re.sub(r"\s(?:#|%|!|//).*", "", line))) for at, line in text.lines if not COMMENT.fullmatch(line)
-    ]
-    if len(found) < 2 or not all(match for _, match in found):
+    """Read one list for each column, as in Python, MATLAB or YAML: h = [0.1, 0.05]."""
+    content = re.sub(r"(?m)(?:^|(?<=\s))(?:#|%|!|//).*", "", text.content)
+    found = list(_LIST.finditer(content))
+    if len(found) < 2 or re.search(r"[^\s;,{}]", _LIST.sub("", content)):
         return None
-    return Rows([(at, (plain(match[1]), *plain_cells(re.findall(r"[^\s,;]+", match[2])))) for at, match in found if match])
+    lines = (content.count("\n", 0, match.start(1)) + 1 for match in found)
+    cells = ((match[1], *re.findall(r"[^\s,;]+", match[2])) for match in found)
+    return Rows([(at, plain_cells(row)) for at, row in zip(lines, cells, strict=True)])
 
 
 def _pairs(text: Text) -> Rows | None:

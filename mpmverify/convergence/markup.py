@@ -20,6 +20,7 @@ _DRAWN = re.compile(
     r"\\(?:hline|toprule|midrule|bottomrule|cmidrule|cline|specialrule|addlinespace|rowcolor|endhead|endfirsthead|endfoot|noalign"
     r"|centering|small|footnotesize|scriptsize)(?![a-z])(?:\([^)]*\)|\[[^\]]*\]|\{[^{}]*\})*"
 )
+_BEGIN = re.compile(rf"(?:\s|{_DRAWN.pattern})*")
 _BOX = {ord(sign): "|" for sign in "│┃║┆┊╎"} | {ord(sign): "-" for sign in "─━═╌╴╶╸"}
 _BOX |= {code: ord("+") for code in range(0x2500, 0x2580) if code not in _BOX}
 
@@ -84,7 +85,7 @@ def _latex_rows(content: str, start: int, end: int) -> Iterator[Row]:
     for found in re.finditer(r"(.*?)(?:\\\\(?:\s*\[[^\]]*\])?|\\tabularnewline|\\cr\b|$)", content[start:end], re.DOTALL):
         row = _DRAWN.sub("", found[1])
         if re.search(r"(?<!\\)&", row):
-            text_at = start + found.end(1) - len(found[1].lstrip())
+            text_at = start + found.start() + len(found[1]) - len(_BEGIN.sub("", found[1], count=1))
             cells = (part for cell in re.split(r"(?<!\\)&", row) for part in _spanned(cell))
             yield content.count("\n", 0, text_at) + 1, plain_cells(cells)
 

@@ -22,6 +22,7 @@ _DECIMAL = r"(?:\d+\.?\d*|\.\d+)"
 _TERM = rf"(?:(?:√|sqrt)\(?{_DECIMAL}\)?|{_DECIMAL}(?:[eE][+-]?\d+)?(?:\^[+-]?\d+)?)"
 _EXPRESSION = re.compile(rf"([+-]?)({_TERM}(?:[*/]{_TERM})*)(%?)")
 _FORTRAN = re.compile(rf"([+-]?{_DECIMAL})(?:[dDqQ]([+-]?\d+)|(?<=[\d.])([+-]\d{{3}})|\(([+-]\d+)\))")
+_FIGURES = re.compile(r"[-+*/^%√x\d.,eEdDqQ() ]+")
 _THOUSANDS = {sign: re.compile(rf"(?<![\d.,])[1-9]\d{{0,2}}(?:\{sign}\d{{3}})+(?!\{sign}?\d)") for sign in ",."}
 
 
@@ -131,7 +132,7 @@ def decimal_sign(cells: Iterable[str], place: str) -> Decimal:
     """
     signs: dict[str, str] = {}
     doubtful = ""
-    for cell in cells:
+    for cell in filter(_FIGURES.fullmatch, cells):
         for found in re.findall(r"\d[\d.,]*\d|\d[.,]|[.,]\d+", cell):
             marks = {sign for sign in ",." if sign in found}
             if len(marks) == 2:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mpmverify.convergence.column_names import Role, role
 from mpmverify.convergence.header import INDEX, header, melted, upright
 from mpmverify.convergence.layouts import rows
 from mpmverify.convergence.levels import Array
@@ -167,6 +168,7 @@ def parse_table(text: str, place: str) -> Table:
     names, body = header(across, found.comments, is_number)
     if not body:
         raise UsageError(f"{place} has no level below the line of column names: add one line for each level")
+    body = [(line, _padded(cells, names)) for line, cells in body]
     width = len(body[0][1])
     hint = "; if commas are decimal signs, separate the columns with semicolons" if "," in text else ""
     for line, cells in body:
@@ -189,6 +191,12 @@ def parse_table(text: str, place: str) -> Table:
         twice = next(name for name in names if names.count(name) > 1)
         raise UsageError(f"{place} names two columns {twice!r}: give each column its own name")
     return Table(place, names, tuple((line, tuple(cells[column] for column in used)) for line, cells in body), decimal)
+
+
+def _padded(cells: tuple[str, ...], names: tuple[str, ...]) -> tuple[str, ...]:
+    """Cells of a level with empty ones for rates that it leaves out at its end."""
+    left_out = names[len(cells) :]
+    return (*cells, *[""] * len(left_out)) if all(role(name) is Role.RATE for name in left_out) else cells
 
 
 def _count(number: int, what: str) -> str:
