@@ -53,7 +53,10 @@ SAME = {
     "simple reStructuredText": "=====  ======\nh      L2\n=====  ======\n0.25   1.2e-2\n0.125  3e-3\n=====  ======\n",
     "box": "┏━━━━━┳━━━━━━┓\n┃ h   ┃ L2   ┃\n┡━━━━━╇━━━━━━┩\n│ 0.25│1.2e-2│\n│0.125│ 3e-3 │\n└─────┴──────┘\n",
     "LaTeX": "\\begin{tabular}{l@{}c}\\hline\n$h$ & $L2$ \\\\ \\hline\n1/4 & $1.2\\cdot10^{-2}$ \\\\\n1/8 & 3e-3 \\\\ \\hline\n\\end{tabular}\n",
-    "booktabs": "\\toprule\nh & L2 \\\\ % of mine\n\\midrule\n$\\frac{1}{4}$ & \\num{1.2e-2} \\\\[2pt]\n$2^{-3}$ & \\textbf{0.003} \\\\\n\\bottomrule\n",
+    "booktabs": (
+        "\\toprule\nh & L2 \\\\ % of mine\n\\midrule\n$\\frac{1}{4}$ & \\num{1.2e-2} \\\\[2pt]\n"
+        "$2^{-3}$ & \\textbf{0.003} \\\\\n\\bottomrule\n"
+    ),
     "siunitx": (
         "\\begin{table}\\begin{tabular}{S[table-format=1.3] S}\n{$h$} & {$L2$} \\\\\n"
         "0.25 & 1.2e-2 \\tabularnewline\n0.125 & $3 \\times 10^{-3}$ \\\\\n\\end{tabular}\\end{table}"
@@ -280,7 +283,9 @@ def test_any_text_is_read_or_refused_in_one_sentence(text):
     try:
         table = read(text)
     except UsageError as error:
-        assert "'errors.csv'" in str(error)
+        said, table = str(error), None
+    if table is None:
+        assert said.startswith("'errors.csv'")
     else:
         assert len(set(table.names)) == len(table.names)
         assert {len(cells) for _, cells in table.rows} == {len(table.names)}
