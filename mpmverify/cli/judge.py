@@ -2,13 +2,13 @@
 
 import math
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmverify.cli.table import NOTHING, Shown, chosen, show, table_options, taken
+from mpmverify.cli.table import NOTHING, Command, Shown, chosen, show, table_options, taken
 
 if TYPE_CHECKING:
     from mpmverify.convergence.columns import Columns
@@ -35,7 +35,7 @@ class ByColumn(click.ParamType[tuple[str, float]]):
             self.fail(f"{value!r} is neither a number nor COLUMN=NUMBER", param, ctx)
 
 
-def by_column(name: str, metavar: str, text: str) -> Any:
+def by_column(name: str, metavar: str, text: str) -> Callable[[Command], Command]:
     return click.option(name, type=ByColumn(), multiple=True, metavar=f"[COLUMN=]{metavar}", help=text)
 
 

@@ -7,13 +7,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 if TYPE_CHECKING:
     from mpmverify.convergence.columns import Columns
 
+Command = TypeVar("Command", bound=Callable[..., Any])
 FORMATS = ("table", "markdown", "latex", "csv", "json")
 COLOURS = {"PASS": "green", "INCONCLUSIVE": "yellow", "FAIL": "red", "ERROR": "magenta"}
 NOTHING = "-"
@@ -36,7 +37,7 @@ class Shown:
     title: str = ""
 
 
-def table_options(command: Callable[..., Any]) -> Callable[..., Any]:
+def table_options(command: Command) -> Command:
     """Add the file, the options that choose its columns, and --format."""
     for decorator in reversed(
         [

@@ -64,7 +64,7 @@ def role(name: str) -> Role:
         counts = kind in (*COUNTS, Role.DIRECTION, Role.STEPS)
         if any(re.fullmatch(pattern, whole) for whole in (known if counts else known[:1])):
             return kind
-    for kind, pattern in ((Role.RATE, RATES), (Role.ERROR, ERRORS), (Role.OTHER, OTHERS)):
-        if any(pattern.fullmatch(word) for word in words):
+    for kind, word_of_it in ((Role.RATE, RATES), (Role.ERROR, ERRORS), (Role.OTHER, OTHERS)):
+        if any(word_of_it.fullmatch(word) for word in words):
             return kind
     return Role.ERROR

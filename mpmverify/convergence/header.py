@@ -147,14 +147,17 @@ def melted(names: Names, body: Sequence[Row], is_number: IsNumber) -> tuple[Name
     """
     if len(names) < 3:
         return None
-    first, pairs = names[0], [re.fullmatch(r"([^=]+?)\s*=\s*(\S+)", name) for name in names[1:]]
-    if (two := _TWO_NAMES.fullmatch(first)) and all(map(is_number, names[1:])):
-        first, second, values = two[1], two[2].strip(), list(names[1:])
-    elif all(pair and is_number(pair[2]) for pair in pairs) and len({pair[1] for pair in pairs if pair}) == 1:
-        second, values = pairs[0][1], [pair[2] for pair in pairs if pair]  # type: ignore[index]
+    first, values = names[0], list(names[1:])
+    pairs = [(name, value.strip()) for name, _, value in (name.partition("=") for name in values)]
+    if (two := _TWO_NAMES.fullmatch(first)) and all(map(is_number, values)):
+        first, second = two[1], two[2].strip()
+    elif len({name for name, _ in pairs}) == 1 and all(is_number(value) for _, value in pairs):
+        second, values = pairs[0][0].strip(), [value for _, value in pairs]
         if role(second) not in SIZES:
             return None
     else:
         return None
-    rows = [(line, (cells[0], value, error)) for line, cells in body for value, error in zip(values, cells[1:], strict=True)]
+    rows: list[Row] = [
+        (line, (cells[0], value, error)) for line, cells in body for value, error in zip(values, cells[1:], strict=True)
+    ]
     return (first, second, "error"), rows

@@ -17,7 +17,9 @@ COMMENT = re.compile(r"\s*(?:#+|%+|!+|//)\s?(.*)")
 LARGEST_HEADER = 16
 """Largest number of single spaces in a line of names that are tried."""
 _PAIR = re.compile(r"([^\s=:,;|][^=:,;|]*?)\s*(?:=|:(?!\S*:))\s*([^\s,;|=]+)(?=[\s,;|]|$)")
-_LIST = re.compile(r"[\"']?([^\s=:,;\[\]{}()\"'][^=:\[\]{}()\"'\n]*?)[\"']?\s*[=:]\s*(?:[\w.]+\()?[\[{(]+([^=:\[\]{}()]*)[\]})]+'?\)*")
+_LIST = re.compile(
+    r"[\"']?([^\s=:,;\[\]{}()\"'][^=:\[\]{}()\"'\n]*?)[\"']?\s*[=:]\s*(?:[\w.]+\()?[\[{(]+([^=:\[\]{}()]*)[\]})]+'?\)*"
+)
 
 
 def rows(text: Text) -> Rows:
@@ -56,16 +58,21 @@ def _pairs(text: Text) -> Rows | None:
 
 def _separated(text: Text) -> Rows:
     """Read columns that are separated by tabs, semicolons, commas or white space."""
-    lines, comments = [], []
+    lines: list[tuple[int, str]] = []
+    comments: list[tuple[int, str]] = []
+    separators = "\t;,"
     for at, line in text.lines:
-        if declared := re.fullmatch(r'"?sep=(.)"?', line.strip()):
-            return _cut(text.place, [entry for entry in text.lines if entry[0] > at], [], declared[1])
-        if found := COMMENT.fullmatch(line):
-            comments += [(at, found[1])] if not lines and found[1].strip() and not RULE.fullmatch(found[1]) else []
+        if declared := re.fullmatch(r'"?sep=(.)"?', line.strip()):  # the first line of a spreadsheet
+            separators = declared[1]
+        elif comment := COMMENT.fullmatch(line):
+            if not lines and comment[1].strip() and not RULE.fullmatch(comment[1]):
+                comments.append((at, comment[1]))
         elif not RULE.fullmatch(line):
             starts_with_number = number(plain(re.split(r"[\s,;]", line.strip(), maxsplit=1)[0])) is not None
             lines.append((at, re.sub(r"\s(?:#|!|//).*", "", line) if starts_with_number else line))
-    for separator in "\t;,":
+    if lines and "\t\t" in lines[0][1].strip():  # they align columns
+        lines = [(at, re.sub(r"\t+", "\t", line.strip())) for at, line in lines]
+    for separator in separators:
         if 2 * sum(separator in line.strip() for _, line in lines) > len(lines):
             found = _cut(text.place, lines, comments, separator)
             if not any(re.search(r"\d\s+[-+\d.]", cell) for _, cells in found.rows[1:] for cell in cells):

@@ -21,8 +21,8 @@ _DRAWN = re.compile(
     r"|centering|small|footnotesize|scriptsize)(?![a-z])(?:\([^)]*\)|\[[^\]]*\]|\{[^{}]*\})*"
 )
 _BEGIN = re.compile(rf"(?:\s|{_DRAWN.pattern})*")
-_BOX = {ord(sign): "|" for sign in "│┃║┆┊╎"} | {ord(sign): "-" for sign in "─━═╌╴╶╸"}
-_BOX |= {code: ord("+") for code in range(0x2500, 0x2580) if code not in _BOX}
+_BOX = dict.fromkeys(range(0x2500, 0x2580), "+")
+_BOX |= {ord(sign): "|" for sign in "│┃║┆┊╎"} | {ord(sign): "-" for sign in "─━═╌╴╶╸"}
 
 
 @dataclass(frozen=True)
