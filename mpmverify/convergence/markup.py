@@ -67,6 +67,7 @@ def plain_cells(cells: Iterable[str]) -> tuple[str, ...]:
 
 def _one(place: str, blocks: list[list[Row]]) -> Rows:
     """Return the only block of rows."""
+    blocks = [block for block in blocks if block]
     if len(blocks) > 1:
         starts = ", ".join(str(block[0][0]) for block in blocks)
         raise UsageError(f"{place} holds {len(blocks)} tables, at lines {starts}: give one of them")
@@ -98,34 +99,40 @@ def _spanned(cell: str) -> list[str]:
 
 
 class _Cells(HTMLParser):
-    """Collects the cells of the tables of a page."""
+    """Collects the cells of the tables of a page, whether its elements are closed or not."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.tables: list[list[tuple[int, list[str]]]] = []
-        self.open = False
+        self.tables: list[list[tuple[int, list[str]]]] = [[]]
+        self.text: list[str] | None = None
+        """Pieces of the open cell."""
         self.span = 1
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag == "table" or (tag == "tr" and not self.tables):
+        if tag in ("table", "tr", "td", "th"):
+            self.end_cell()
+        if tag == "table":
             self.tables.append([])
-        if tag == "tr":
+        elif tag == "tr":
             self.tables[-1].append((self.getpos()[0], []))
-        elif tag in ("td", "th") and self.tables and self.tables[-1]:
-            self.tables[-1][-1][1].append("")
-            self.open, self.span = True, int(dict(attrs).get("colspan") or 1)
+        elif tag in ("td", "th") and self.tables[-1]:
+            span = dict(attrs).get("colspan") or ""
+            self.text, self.span = [], int(span) if span.isdecimal() and len(span) < 3 else 1
         elif tag == "sup":
             self.handle_data("^")
 
     def handle_endtag(self, tag: str) -> None:
-        if tag in ("td", "th", "tr") and self.open:
-            cells = self.tables[-1][-1][1]
-            cells += cells[-1:] * (self.span - 1)
-            self.open = False
+        if tag in ("td", "th", "tr", "table"):
+            self.end_cell()
 
     def handle_data(self, data: str) -> None:
-        if self.open:
-            self.tables[-1][-1][1][-1] += data
+        if self.text is not None:
+            self.text.append(data)
+
+    def end_cell(self) -> None:
+        if self.text is not None:
+            self.tables[-1][-1][1].extend(["".join(self.text)] * self.span)
+            self.text = None
 
 
 def html(text: Text) -> Rows | None:
@@ -134,7 +141,8 @@ def html(text: Text) -> Rows | None:
     parser = _Cells()
     parser.feed(text.content)
     parser.close()
-    return _one(text.place, [[(at, plain_cells(cells)) for at, cells in table if cells] for table in parser.tables if table])
+    parser.end_cell()
+    return _one(text.place, [[(at, plain_cells(cells)) for at, cells in table if cells] for table in parser.tables])
 
 
 def from_json(text: Text) -> Rows | None:
