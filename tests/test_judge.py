@@ -277,6 +277,7 @@ def test_json_has_the_verdict_the_fit_and_the_levels(judge):
         ("h,e\n2,2\n1,-3\n", (), "line 3: the error -3 in column 'e' is negative"),
         (SECOND, ("--error", "u"), "has no column 'u': choose from h, error"),
         (SECOND, ("--h", "dx"), "has no column 'dx': choose from h, error"),
+        ("h,dt,e\n2,1,2\n1,1,1\n2,2,3\n", ("--h", "h"), "has several 'dt' at h=2"),
         (SECOND, ("--low", "3", "--high", "2"), "the band of orders [3, 2] is empty"),
         (SECOND, ("--low", "nan"), "the band of orders"),
         (SECOND, ("--low", "high"), "is neither a number nor COLUMN=NUMBER"),

@@ -135,6 +135,8 @@ def test_columns_are_named_as_their_author_meant(text, names):
         ("| h | e |\n|---|---|\n| 1 | 2 |\n\nThen:\n\n| h | e |\n|---|---|\n| 1 | 2 |\n", "holds 2 tables, at lines 1, 7"),
         ("h,e\n1,2\nh,e\n1,2\n", "holds two tables"),
         ("<table><tr><td>1<tr><td>2</table><table><tr><td>1<tr><td>2</table>", "holds 2 tables"),
+        ("# h e\n1 1\n2 2\n\n\n# h e\n1 2\n2 3\n", "holds two tables, the second at line 7"),
+        ("h  e   rate\n4  4   -\n2      2\n1  1   2\n", "line 3 has 2 cells where line 2 has 3"),
         ("h;e\n0,5;0.1\n", "mixes decimal commas"),
         ("n;e\n1,024;2\n", "may be 1.024 or 1024"),
     ],
@@ -224,7 +226,7 @@ def test_every_float_is_read_exactly(value):
         (Role.RATE, "rate, order, EOC, eoc(u), L2 rate, order_L2, conv. rate, Conv. rates, log2, r, o1, p_obs, pair_order_all"),
         (
             Role.OTHER,
-            "time, CPU time [s], seconds, wall_time, iterations, Newton its, memory, cond, CFL, seed, inside_cells, t",
+            "time, CPU time [s], seconds, wall_time, iterations, Newton its, memory, cond, CFL, seed, inside_cells, t, h^2, O(h), O(dt^2)",
         ),
         (Role.DEGREE, "p, k, degree, polynomial degree"),
         (

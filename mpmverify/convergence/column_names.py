@@ -43,6 +43,8 @@ NAMES: dict[Role, str] = {
 """Whole names without blanks, and of counts without "number of" and the like."""
 COUNTED = frozenset({"number", "of", "num", "no", "nb", "n", "total", "active", "global", "free"})
 """Words before a count that say nothing more."""
+POWER = re.compile(r"(O\()?(h|dx|dt|Δx|Δt)\^\d+\)?|O\(\w+\)")
+"""A column of a power of the size, to compare with."""
 RATES = re.compile("(conv)?rates?|orders?|ord|obs(erved)?|eoc.*|oc|ro?c|ooc|slopes?|conv|ratios?|reduction|quotient|log")
 """A word in the name of a column of rates."""
 ERRORS = re.compile(".*err(ors?)?")
@@ -56,6 +58,8 @@ OTHERS = re.compile(
 
 def role(name: str) -> Role:
     """Role of a column by its name; ERROR where no other is known."""
+    if POWER.fullmatch(name):
+        return Role.OTHER
     bare = re.sub(r"\[[^\]]*\]|\([^)]*\)", lambda unit: " " if unit.start() else unit[0], name)
     split = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", " ", bare).lower()
     words = re.findall(r"[^\W\d_]+|\d+", re.sub(r"[Δ∆δ]\s*", "d", split).replace("^-1", "inv"))

@@ -148,13 +148,32 @@ def choose(
     by = _grouping(table, found, [name for name in rest if name not in judged and (name in text or _is_degree(table, name))])
     known = (*text, *by, *counters, INDEX)
     judged = tuple(dict.fromkeys(judged)) or tuple(
-        name for name in rest if name not in known and role(name) in (Role.ERROR, Role.DEGREE) and not _is_degree(table, name)
+        name
+        for name in rest
+        if name not in known and (role(name) is Role.ERROR or (name == "p" and not _is_degree(table, name)))
     )
     if not judged:
         named = " and ".join(repr(size.column) for size in found.values())
         raise UsageError(f"{table.place} has no column of {what}s beside {named}: name one with --{what}")
     neither = tuple(name for name in rest if name not in (*judged, *by))
-    return Columns(table, found, judged, by, neither, tuple(_groups(table, found, by)))
+    groups = tuple(_groups(table, found, by))
+    for name in neither:
+        if role(name) in SIZES:
+            _refuse_hidden(table, name, found, groups)
+    return Columns(table, found, judged, by, neither, groups)
+
+
+def _refuse_hidden(table: Table, name: str, sizes: Mapping[str, Size], groups: Sequence[Group]) -> None:
+    """Refuse to leave out a size that varies where the others do not: its levels would count as repeated runs."""
+    for group in groups:
+        met: dict[tuple[float, ...], str] = {}
+        for row in group.rows:
+            key = tuple(size.values[row] for size in sizes.values())
+            if met.setdefault(key, table.cells(name)[row]) != table.cells(name)[row]:
+                told = ", ".join(f"{size.symbol}={size.values[row]:g}" for size in sizes.values())
+                raise UsageError(
+                    f"{table.place} has several {name!r} at {told}: give both by --h, or the rows of one {name!r} only"
+                )
 
 
 def _counts_rows(table: Table, name: str) -> bool:

@@ -6,7 +6,7 @@ Each layout is a function from the text to its rows, or None where the text has 
 import csv
 import re
 from collections.abc import Callable, Sequence
-from itertools import combinations
+from itertools import combinations, pairwise
 
 from mpmverify.convergence.column_names import Role, role
 from mpmverify.convergence.markup import RULE, Rows, Text, from_json, html, latex, piped, plain_cells
@@ -60,6 +60,7 @@ def _separated(text: Text) -> Rows:
     """Read columns that are separated by tabs, semicolons, commas or white space."""
     lines: list[tuple[int, str]] = []
     comments: list[tuple[int, str]] = []
+    levels: list[int] = []
     separators = "\t;,"
     for at, line in text.lines:
         if declared := re.fullmatch(r'"?sep=(.)"?', line.strip()):  # the first line of a spreadsheet
@@ -68,8 +69,12 @@ def _separated(text: Text) -> Rows:
             if not lines and comment[1].strip() and not RULE.fullmatch(comment[1]):
                 comments.append((at, comment[1]))
         elif not RULE.fullmatch(line):
-            starts_with_number = number(plain(re.split(r"[\s,;]", line.strip(), maxsplit=1)[0])) is not None
-            lines.append((at, re.sub(r"\s(?:#|!|//).*", "", line) if starts_with_number else line))
+            if number(plain(re.split(r"[\s,;]", line.strip(), maxsplit=1)[0])) is None:
+                lines.append((at, line))
+            else:
+                lines.append((at, re.sub(r"\s(?:#|!|//).*", "", line)))
+                levels.append(at)
+    _refuse_blocks(text, levels)
     if lines and "\t\t" in lines[0][1].strip():  # they align columns
         lines = [(at, re.sub(r"\t+", "\t", line.strip())) for at, line in lines]
     for separator in separators:
@@ -78,6 +83,14 @@ def _separated(text: Text) -> Rows:
             if not any(re.search(r"\d\s+[-+\d.]", cell) for _, cells in found.rows[1:] for cell in cells):
                 return found
     return _spaced(lines, comments)
+
+
+def _refuse_blocks(text: Text, levels: Sequence[int]) -> None:
+    """Refuse levels that two empty lines divide, as they divide data sets in files for gnuplot."""
+    lines = text.content.split("\n")
+    for before, after in pairwise(levels):
+        if any(not (lines[at].strip() or lines[at + 1].strip()) for at in range(before, after - 2)):
+            raise UsageError(f"{text.place} holds two tables, the second at line {after}: give one of them")
 
 
 def _cut(place: str, lines: list[tuple[int, str]], comments: list[tuple[int, str]], separator: str) -> Rows:

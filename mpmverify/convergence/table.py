@@ -168,7 +168,7 @@ def parse_table(text: str, place: str) -> Table:
     names, body = header(across, found.comments, is_number)
     if not body:
         raise UsageError(f"{place} has no level below the line of column names: add one line for each level")
-    body = [(line, _padded(cells, names)) for line, cells in body]
+    body[0] = body[0][0], _padded(body[0][1], names)
     width = len(body[0][1])
     hint = "; if commas are decimal signs, separate the columns with semicolons" if "," in text else ""
     for line, cells in body:
@@ -194,7 +194,7 @@ def parse_table(text: str, place: str) -> Table:
 
 
 def _padded(cells: tuple[str, ...], names: tuple[str, ...]) -> tuple[str, ...]:
-    """Cells of a level with empty ones for rates that it leaves out at its end."""
+    """Cells of the first level with empty ones for rates that it leaves out at its end."""
     left_out = names[len(cells) :]
     return (*cells, *[""] * len(left_out)) if all(role(name) is Role.RATE for name in left_out) else cells
 
