@@ -176,11 +176,8 @@ def _ladder(
     h, band, uncertainty = sizes[0].values[rows], demands.band(name), demands.uncertainty / scale
     found, reason = verdict(h, error, band=band, round_off=demands.round_off, uncertainty=uncertainty, exact=demands.exact)
     series = analyse(h, error, expected=band, round_off=demands.round_off, uncertainty=uncertainty)
-    levels = np.unique(series.h)[::-1]
-    orders = {
-        int(rows[np.argmax(h == level)]): float(order)
-        for level, order in zip(levels[1:], series.pairwise, strict=len(series.pairwise) == len(levels) - 1)
-    }
+    first = np.flatnonzero(np.diff(series.h, prepend=series.h[0]))  # of each size but the coarsest, in the series
+    orders = {int(rows[np.argmin(np.abs(h - series.h[k]))]): float(series.pairwise[k - 1]) for k in first}
     return JudgedColumn(name, group, sizes, found, reason, series, orders=orders, round_off=demands.round_off)
 
 
