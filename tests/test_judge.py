@@ -180,6 +180,14 @@ def test_a_design_goes_to_the_separation_of_sources(judge):
     assert verdicts(judge(matrix, *bands)) == {"error": "PASS"}
 
 
+def test_a_design_with_a_run_that_went_wrong_is_an_error(judge):
+    assert verdicts(judge(DESIGN.replace("0.2,0.2,", "0.2,0.2,nan\n0.2,0.3,"), "--low", "0.5")) == {"u": "ERROR"}
+
+
+def test_a_size_goes_before_the_cells_along_an_edge(judge):
+    assert "Sizes: 'h'." in judge("nx,h,u\n2,0.4,4\n4,0.2,1\n").output
+
+
 def test_h_and_dt_together_are_one_ladder(judge):
     result = judge("h,dt,u\n" + "".join(f"{h},{2 * h},{h}\n" for h in LADDER), "--low", "0.9", "--high", "1.1")
     assert verdicts(result) == {"u": "PASS"}
@@ -292,6 +300,7 @@ def test_json_has_the_verdict_the_fit_and_the_levels(judge):
         (SECOND, ("--cells", "4"), "--cells"),
         (SECOND, ("--levels", "1"), "--levels must be"),
         (b"\xff\xfe\x00\x00", (), "is not text"),
+        (SECOND + "e" * 2000, (), "give the table alone"),
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", (), "is not text"),
         ('h,e\n"1,2\n', (), "line 2"),
         (SECOND + "\n\n" + SECOND, (), "holds two tables"),

@@ -47,6 +47,7 @@ SAME = {
     "spaced products": "h   L2\n1 / 4  1.2 x 10^-2\n1/8  3 * 10^-3\n",
     "Markdown": "| h | L2 |\n|---|:--:|\n| **0.25** | `1.2e-2` |\n| 0.125 | 3e-3 |\n",
     "Markdown in prose": "We see:\n\n| h | $L2$ |\n|---|---|\n| 0.25 | 1.2e-2 |\n| 0.125 | 3·10⁻³ |\n\nIt converges.\n",
+    "Markdown beside formulas": "$$a & b \\\\ c & d$$\n\n| h | L2 |\n|---|---|\n| 0.25 | 1.2e-2 |\n| 0.125 | 3e-3 |\n",
     "bare Markdown": "h | L2\n--- | ---\n0.25 | 1.2e-2\n0.125 | 3e-3\n",
     "Org": "| h | L2 |\n|---+---|\n| 0.25 | 1.2e-2 |\n| 0.125 | 3e-3 |\n",
     "grid of reStructuredText": "+-----+------+\n| h   | L2   |\n+=====+======+\n|0.25 |1.2e-2|\n+-----+------+\n|0.125|3e-3  |\n+-----+------+\n",

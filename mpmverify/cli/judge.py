@@ -2,7 +2,7 @@
 
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -100,8 +100,10 @@ def _tables(columns: "Columns", found: Iterable["JudgedColumn"], form: str) -> I
         for column in mine:
             orders = [f"{column.column} order" if form == "csv" else "order"] if column.series else []
             names += [column.column, *orders]
-        rows = sorted(group.rows, key=lambda row: [-size.values[row] for size in sizes])
-        body = [(*(float(size.values[row]) for size in sizes), *_cells(columns, mine, row)) for row in rows]
+        rows = sorted(group.rows.tolist(), key=lambda row: [-size.values[row] for size in sizes])
+        shown = [[float(size.values[row]) for row in rows] for size in sizes]
+        shown += [cells for column in mine for cells in _cells(columns, column, rows)]
+        body = zip(*shown, strict=True)
         yield Shown(tuple(names), tuple(body), group.label)
         for column in mine:
             if column.separation and column.separation.sources:
@@ -109,14 +111,13 @@ def _tables(columns: "Columns", found: Iterable["JudgedColumn"], form: str) -> I
                 yield Shown(("size", "exponent", "low", "high", "largest share"), tuple(sources), f"Sources of {column.name}")
 
 
-def _cells(columns: "Columns", found: Iterable["JudgedColumn"], row: int) -> Iterator[str | float]:
-    for column in found:
-        value = float(columns.table.numbers(column.column)[row])
-        given = bool(columns.table.given(column.column)[row])
-        yield value if math.isfinite(value) else str(value) if given else NOTHING
-        if column.series:
-            order = column.orders.get(row, math.nan)
-            yield NOTHING if math.isnan(order) else f"{round(order, 3) + 0.0:.3f}"
+def _cells(columns: "Columns", column: "JudgedColumn", rows: Sequence[int]) -> Iterator[list[str | float]]:
+    """Errors of rows, and observed orders where there are any."""
+    errors, given = columns.table.numbers(column.column).tolist(), columns.table.given(column.column)
+    yield [errors[row] if math.isfinite(errors[row]) else str(errors[row]) if given[row] else NOTHING for row in rows]
+    if column.series:
+        orders = (column.orders.get(row, math.nan) for row in rows)
+        yield [NOTHING if math.isnan(order) else f"{round(order, 3) + 0.0:.3f}" for order in orders]
 
 
 def _data(columns: "Columns", found: Iterable["JudgedColumn"]) -> dict[str, Any]:

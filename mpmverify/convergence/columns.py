@@ -190,7 +190,7 @@ def _is_degree(table: Table, name: str) -> bool:
 
 
 def _sizes(table: Table, told: Sequence[str], others: Sequence[str], conversion: Conversion) -> dict[str, Size]:
-    """Sizes by their axes: of several columns for one axis the first, but a count that an option converts before all."""
+    """Sizes by their axes: of several columns for one axis a count that an option converts, or else a size, or else the first."""
     kinds = {name: _kind(table, name) for name in told or others}
     if told and len(conversion) == 1:
         kinds |= {
@@ -202,7 +202,8 @@ def _sizes(table: Table, told: Sequence[str], others: Sequence[str], conversion:
     ready = {name: kind in SIZES or kind in conversion or bool(table.directions(name)) for name, kind in kinds.items()}
     counts = [name for name, kind in kinds.items() if kind in COUNTS and not ready[name]]
     found: dict[str, Size] = {}
-    for name, kind in sorted(kinds.items(), key=lambda entry: entry[1] not in conversion):
+    first = (*conversion, Role.SPACE, Role.TIME_STEP)
+    for name, kind in sorted(kinds.items(), key=lambda entry: first.index(entry[1]) if entry[1] in first else len(first)):
         if ready[name] or (told and name not in counts):
             found.setdefault(AXES.get(kind, SPACE), _size(table, name, kind, conversion))
     varying = {axis: size for axis, size in found.items() if np.ptp(size.values) > SAME * size.values.max()}

@@ -188,6 +188,8 @@ def _design(
 
     if demands.uncertainty:
         raise UsageError("the sources of error are separated without an uncertainty: leave out --uncertainty")
+    if not np.all(np.isfinite(error)):
+        return JudgedColumn(name, group, sizes, Verdict.ERROR, "the error is not finite on at least one run")
     separation = separate({size.symbol: size.values[rows] for size in sizes}, error)
     bands = [(size.symbol, *band) for size in sizes if (band := demands.band(size.symbol, size.column, name))]
     judgement: Judgement = judge_sources(separation, bands)

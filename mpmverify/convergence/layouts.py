@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from itertools import combinations, pairwise
 
 from mpmverify.convergence.column_names import Role, role
-from mpmverify.convergence.markup import RULE, Rows, Text, from_json, html, latex, piped, plain_cells
+from mpmverify.convergence.markup import Rows, Text, from_json, html, is_rule, latex, piped, plain_cells
 from mpmverify.convergence.numerals import is_missing, number, plain
 from mpmverify.errors import UsageError
 
@@ -30,7 +30,7 @@ def rows(text: Text) -> Rows:
     UsageError
         If the text holds two tables, or quotes that do not end.
     """
-    layouts: tuple[Callable[[Text], Rows | None], ...] = (latex, html, from_json, piped, _lists, _pairs)
+    layouts: tuple[Callable[[Text], Rows | None], ...] = (html, from_json, piped, latex, _lists, _pairs)
     return next((found for layout in layouts if (found := layout(text)) is not None), None) or _separated(text)
 
 
@@ -66,9 +66,9 @@ def _separated(text: Text) -> Rows:
         if declared := re.fullmatch(r'"?sep=(.)"?', line.strip()):  # the first line of a spreadsheet
             separators = declared[1]
         elif comment := COMMENT.fullmatch(line):
-            if not lines and comment[1].strip() and not RULE.fullmatch(comment[1]):
+            if not lines and comment[1].strip() and not is_rule(comment[1]):
                 comments.append((at, comment[1]))
-        elif not RULE.fullmatch(line):
+        elif not is_rule(line):
             if number(plain(re.split(r"[\s,;]", line.strip(), maxsplit=1)[0])) is None:
                 lines.append((at, line))
             else:

@@ -11,8 +11,6 @@ from mpmverify.errors import UsageError
 
 Row = tuple[int, tuple[str, ...]]
 """Number of the line [1], and the cells."""
-RULE = re.compile(r"\s*[|+:=_\-\s]*[=_\-]{2}[|+:=_\-\s]*|\s*[|+]?\s*:?-+:?\s*(?:[|+]\s*:?-+:?\s*)+[|+]?\s*")
-"""A line that is drawn: of Markdown, reStructuredText, Org, database shells."""
 _TABULAR = re.compile(
     r"\\begin\{(tabular[xy]?\*?|array|longtable|tabu)\}(?:\[[^\]]*\])?(?:\{(?:[^{}]|\{[^{}]*\})*\})*(.*?)\\end\{\1\}", re.DOTALL
 )
@@ -61,6 +59,13 @@ class Rows:
     comments: list[tuple[int, str]] = field(default_factory=list)
 
 
+def is_rule(line: str) -> bool:
+    """Whether a line is drawn, as in Markdown, reStructuredText, Org and the shells of databases."""
+    signs = set(line.strip())
+    drawn = bool(signs & set("-=_")) and signs <= set("-=_|+: \t")
+    return drawn and (bool(signs & set("|+:")) or re.search("[-=_]{2}", line) is not None)
+
+
 def plain_cells(cells: Iterable[str]) -> tuple[str, ...]:
     return tuple(plain(cell) for cell in cells)
 
@@ -75,7 +80,7 @@ def _one(place: str, blocks: list[list[Row]]) -> Rows:
 
 
 def latex(text: Text) -> Rows | None:
-    if not re.search(r"(?<!\\)&.*?(?:\\\\|\\tabularnewline|\\cr\b)", text.content, re.DOTALL):
+    if not all(re.search(sign, text.content) for sign in (r"(?<!\\)&", r"\\\\|\\tabularnewline|\\cr\b")):
         return None
     content = re.sub(r"(?<!\\)%.*", "", text.content)
     bodies = [(found.start(2), found.end(2)) for found in _TABULAR.finditer(content)] or [(0, len(content))]
@@ -166,7 +171,7 @@ def from_json(text: Text) -> Rows | None:
 
 def piped(text: Text) -> Rows | None:
     lines = [(at, line.translate(_BOX)) for at, line in text.lines]
-    drawn = [RULE.fullmatch(line) is not None for _, line in lines]
+    drawn = [is_rule(line) for _, line in lines]
     piped = ["|" in line and not rule for (_, line), rule in zip(lines, drawn, strict=True)]
     ruled = any(rule and ("|" in line or "+" in line) for (_, line), rule in zip(lines, drawn, strict=True))
     if sum(piped) < 2 or not (ruled or all(here or rule for here, rule in zip(piped, drawn, strict=True))):

@@ -11,7 +11,7 @@ MISSING = frozenset({"", "-", "--", "---", "*", "/", ".", "..", "...", "n/a", "n
 """Cells without a value, in lower case. "nan" is not one of them: a solver may have returned it."""
 SUPERSCRIPT = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 SAME = str.maketrans({"−": "-", "–": "-", "—": "-", "×": "*", "·": "*", "⋅": "*", "∙": "*", "…": "...", "∞": "inf"})
-"""Signs that are told apart by their looks alone."""
+"""Typographic signs and what they mean."""
 _WRAPPED = re.compile(
     r"\\(?:num|text\w*|math\w+|emph|ensuremath|mbox|bm|boldsymbol|underline|cellcolor\{[^{}]*\}|SI|qty|unit)\s*"
     r"(?:\[[^\]]*\])?\{([^{}]*)\}(?:\{[^{}]*\})?"

@@ -16,6 +16,8 @@ from mpmverify.convergence.numerals import Decimal, decimal_sign, grid, is_missi
 from mpmverify.errors import ResultsError, UsageError
 
 STANDARD_INPUT = Path("-")
+LONGEST_WORD = 1000
+"""Largest number of characters without a blank or a separator that a table may have."""
 
 
 @dataclass(frozen=True)
@@ -156,6 +158,8 @@ def parse_table(text: str, place: str) -> Table:
     UsageError
         As in `read_table`.
     """
+    if max(map(len, re.split(r"[\s<>|,;&]+", text))) > LONGEST_WORD:
+        raise UsageError(f"{place} has a word of more than {LONGEST_WORD} characters: give the table alone")
     found = rows(Text(place, text))
     if not found.rows:
         raise UsageError(f"{place} is empty: give a table with a column h and a column of errors")
