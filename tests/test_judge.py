@@ -76,13 +76,13 @@ def test_the_output_shows_levels_orders_and_what_was_taken_for_what(judge):
         "0.025  0.0025  2.000\n"
         "\n"
         "Sizes: 'h'. Errors: 'L2'. Left out: 'n', 'seconds'.\n"
-        "PASS L2: order 2.000, interval [2.000, 2.000] from 3 levels (asymptotic)\n"
+        "PASS L2: order 2.000, interval [1.982, 2.017] from 3 levels (asymptotic)\n"
     )
 
 
 def test_without_a_band_order_interval_and_class_are_printed(judge):
     output = judge(SECOND).output
-    assert "order 1.995, interval [1.942, 2.048] from 4 levels (asymptotic)" in output
+    assert "order 1.995, interval [1.954, 2.030] from 4 levels (asymptotic)" in output
     assert "no order passes" in output
 
 
@@ -178,6 +178,20 @@ def test_a_design_goes_to_the_separation_of_sources(judge):
         f"{h}," + ",".join(repr(3 * h**2 + dt) for dt in LADDER) + "\n" for h in LADDER
     )
     assert verdicts(judge(matrix, *bands)) == {"error": "PASS"}
+
+
+def test_replicates_enter_the_fit_as_they_are(judge):
+    rows = "".join(f"{h},{seed},{h**2 * (1 + 0.01 * seed)!r}\n" for h in LADDER for seed in (-1, 0, 1))
+    result = judge(f"h,seed,u\n{rows}", *BAND)
+    assert verdicts(result) == {"u": "PASS"}
+    assert "12 errors at 4 sizes" in result.output
+    assert "Left out: 'seed'." in result.output
+    assert result.output.count(" 2.000\n") == 3, "one order for each size but the coarsest"
+
+
+def test_a_design_may_be_exact(judge):
+    assert verdicts(judge(DESIGN, "--exact", "1")) == {"u": "PASS"}
+    assert verdicts(judge(DESIGN, "--exact", "1e-6")) == {"u": "FAIL"}
 
 
 def test_a_design_with_a_run_that_went_wrong_is_an_error(judge):

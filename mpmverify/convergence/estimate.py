@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gammaln, stdtr, stdtrit
 
 from mpmverify.convergence.levels import Array
+from mpmverify.convergence.student import student_probability, student_quantile
 
 SCATTER = 0.005
 """Standard deviation of log E about a law that is expected before the errors are seen."""
@@ -142,7 +142,8 @@ class Estimate:
     def interval(self, confidence: float) -> tuple[float, float]:
         """Interval of the order of the finest step, with equal probabilities below and above."""
         tails = np.array([0.5 - confidence / 2, 0.5 + confidence / 2])
-        quantiles = self.limit + self.step + stdtrit(self.freedom, tails[:, None]) * self.error
+        half_width = [student_quantile(int(n), confidence) for n in self.freedom] * self.error
+        quantiles = self.limit + self.step + np.stack([-half_width, half_width])
         low, high = quantiles.min(axis=1), quantiles.max(axis=1)
         for _ in range(BISECTIONS):
             middle = (low + high) / 2
@@ -152,7 +153,7 @@ class Estimate:
 
     def step_below(self, order: float) -> float:
         """Probability that the order of the finest step lies below a value."""
-        return float(stdtr(self.freedom, (order - self.limit - self.step) / self.error) @ self.weight)
+        return float(student_probability(self.freedom, (order - self.limit - self.step) / self.error) @ self.weight)
 
     def below(self, order: float) -> Tail:
         """Probabilities that the order lies below a value."""
@@ -164,7 +165,7 @@ class Estimate:
 
     def _tail(self, order: float, side: int) -> Tail:
         away = side * (order - self.limit - np.stack([self.step, self.ahead, 0 * self.step]))
-        probability = stdtr(self.freedom, away / self.error)
+        probability = student_probability(self.freedom, away / self.error)
         step, finest, limit = (probability @ self.weight).tolist()
         return Tail(step, finest, limit, float(np.minimum(probability[1], probability[2]) @ self.weight))
 
@@ -240,7 +241,7 @@ def estimate(h: Array, error: Array) -> Estimate:
     evidence = (
         np.log(probability)[:, None]
         - (len(x) - n) * math.log(ROUGH_RANGE)
-        + gammaln(freedom / 2)
+        + np.array([math.lgamma(half) for half in freedom / 2])
         - (np.log(n * sxx) + (n - 2) * math.log(math.pi) + freedom * np.log(squares)) / 2
     )
     short = level[0] + 1 - runs < LEAST_ALTERNATING
