@@ -101,7 +101,7 @@ def _tables(columns: "Columns", found: Iterable["JudgedColumn"], form: str) -> I
             orders = [f"{column.column} order" if form == "csv" else "order"] if column.series else []
             names += [column.column, *orders]
         rows = sorted(group.rows.tolist(), key=lambda row: [-size.values[row] for size in sizes])
-        shown = [[float(size.values[row]) for row in rows] for size in sizes]
+        shown: list[list[str | float]] = [[float(size.values[row]) for row in rows] for size in sizes]
         shown += [cells for column in mine for cells in _cells(columns, column, rows)]
         body = zip(*shown, strict=True)
         yield Shown(tuple(names), tuple(body), group.label)

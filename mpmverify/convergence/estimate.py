@@ -142,7 +142,7 @@ class Estimate:
     def interval(self, confidence: float) -> tuple[float, float]:
         """Interval of the order of the finest step, with equal probabilities below and above."""
         tails = np.array([0.5 - confidence / 2, 0.5 + confidence / 2])
-        half_width = [student_quantile(int(n), confidence) for n in self.freedom] * self.error
+        half_width = np.array([student_quantile(int(n), confidence) for n in self.freedom]) * self.error
         quantiles = self.limit + self.step + np.stack([-half_width, half_width])
         low, high = quantiles.min(axis=1), quantiles.max(axis=1)
         for _ in range(BISECTIONS):
