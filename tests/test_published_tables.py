@@ -233,64 +233,67 @@ CUT_CELLS = """\
 """
 
 
-@pytest.mark.parametrize(
-    ("text", "options", "orders"),
-    [
-        pytest.param(DEALII_7, ("--cells", "2"), {"L2": 3, "H1": 2, "Linfty": 3}, id="deal.II step-7, Q2"),
-        pytest.param(
-            DEALII_7, ("--dofs", "2"), {"L2": 3, "H1": 2, "Linfty": 3}, id="deal.II step-7, Q2, by its degrees of freedom"
-        ),
-        pytest.param(DEALII_7_RATES, ("--cells", "2"), {"L2": 2, "H1": 1}, id="deal.II step-7, Q1, rates without names"),
-        pytest.param(
-            DEALII_20, ("--levels", "2"), {"0": 1, "1": 2, "2": 3}, id="deal.II step-20, HTML, columns named by numbers"
-        ),
-        pytest.param(
-            DEALII_34, ("--cells", "1"), {"L2(phi)": 2, "Linfty(alpha)": 1}, id="deal.II step-34, rates without names"
-        ),
-        pytest.param(
-            DEALII_47,
-            ("--levels", "2"),
-            {"||u-u_h||_L_2": 4, "|u-u_h|_H^1": 3, "|u-u_h|^circ_H^2": 2},
-            id="deal.II step-47, HTML with formulas",
-        ),
-        pytest.param(
-            DEALII_51,
-            ("--cells", "2"),
-            {"val L2": 4, "grad L2": 4, "val L2-post": 5},
-            id="deal.II step-51, Q3, names of two words",
-        ),
-        pytest.param(DEALII_74, ("--cells", "2"), {"L2": 4, "H1": 3, "Energy": 3}, id="deal.II step-74, HTML"),
-        pytest.param(DEALII_78, ("--cells", "1"), {"L2": 2, "H1": 1}, id="deal.II step-78, rates without names"),
-        pytest.param(DEALII_85, (), {"L^2-Error": 2.15}, id="deal.II step-85, Markdown"),
-        pytest.param(
-            DEALII_90,
-            ("--dofs", "2"),
-            {"L^2-Error": 2.1, "H^1-Error": 1, "s_h^1/2(u_h)": 1},
-            id="deal.II step-90, Markdown with iterations",
-        ),
-        pytest.param(DEALII_95, (), {"L^2-Error": 3.55}, id="deal.II step-95, Markdown"),
-        pytest.param(
-            DEALII_104, ("--dofs", "3"), {"Velocity Error": 3, "Pressure Error": 2}, id="deal.II step-104, commas in thousands"
-        ),
-        pytest.param(
-            DEALII_104, ("--levels", "2"), {"Velocity Error": 3, "Pressure Error": 2}, id="deal.II step-104, by levels"
-        ),
-        pytest.param(FENICS, (), {"E": 2}, id="Langtangen, A FEniCS tutorial (2011), section 1.7.5, log"),
-        pytest.param(
-            EXAHYPE, ("--dofs", "1"), {"l1": 2.3, "l2": 2.35, "linf": 2.3}, id="ExaHyPE, convergence analysis, spreadsheet"
-        ),
-        pytest.param(MPMAT, (), {"disp1": 2, "disp1MPM": 2.05}, id="mpmat, impmMMS1DBody.m, MATLAB"),
-        pytest.param(MPMAT_FEM, (), {"dispLinf1": 2}, id="mpmat, femULMMS.m, MATLAB"),
-        pytest.param(NLFEM, (), {"L2 Error": 2}, id="nlfem, result_testConfConstant.md"),
-        pytest.param(THETA_SCHEME, ("--dofs", "1"), {"error": 2.55}, id="theta scheme, mivanit/numerical-PDE-nonsense, LaTeX"),
-    ],
-)
+PUBLISHED = [
+    pytest.param(DEALII_7, ("--cells", "2"), {"L2": 3, "H1": 2, "Linfty": 3}, id="deal.II step-7, Q2"),
+    pytest.param(
+        DEALII_7, ("--dofs", "2"), {"L2": 3, "H1": 2, "Linfty": 3}, id="deal.II step-7, Q2, by its degrees of freedom"
+    ),
+    pytest.param(DEALII_7_RATES, ("--cells", "2"), {"L2": 2, "H1": 1}, id="deal.II step-7, Q1, rates without names"),
+    pytest.param(DEALII_20, ("--levels", "2"), {"0": 1, "1": 2, "2": 3}, id="deal.II step-20, HTML, columns named by numbers"),
+    pytest.param(DEALII_34, ("--cells", "1"), {"L2(phi)": 2, "Linfty(alpha)": 1}, id="deal.II step-34, rates without names"),
+    pytest.param(
+        DEALII_47,
+        ("--levels", "2"),
+        {"||u-u_h||_L_2": 4, "|u-u_h|_H^1": 3, "|u-u_h|^circ_H^2": 2},
+        id="deal.II step-47, HTML with formulas",
+    ),
+    pytest.param(
+        DEALII_51,
+        ("--cells", "2"),
+        {"val L2": 4, "grad L2": 4, "val L2-post": 5},
+        id="deal.II step-51, Q3, names of two words",
+    ),
+    pytest.param(DEALII_74, ("--cells", "2"), {"L2": 4, "H1": 3, "Energy": 3}, id="deal.II step-74, HTML"),
+    pytest.param(DEALII_78, ("--cells", "1"), {"L2": 2, "H1": 1}, id="deal.II step-78, rates without names"),
+    pytest.param(DEALII_85, (), {"L^2-Error": 2.15}, id="deal.II step-85, Markdown"),
+    pytest.param(
+        DEALII_90,
+        ("--dofs", "2"),
+        {"L^2-Error": 2.1, "H^1-Error": 1, "s_h^1/2(u_h)": 1},
+        id="deal.II step-90, Markdown with iterations",
+    ),
+    pytest.param(DEALII_95, (), {"L^2-Error": 3.55}, id="deal.II step-95, Markdown"),
+    pytest.param(
+        DEALII_104, ("--dofs", "3"), {"Velocity Error": 3, "Pressure Error": 2}, id="deal.II step-104, commas in thousands"
+    ),
+    pytest.param(DEALII_104, ("--levels", "2"), {"Velocity Error": 3, "Pressure Error": 2}, id="deal.II step-104, by levels"),
+    pytest.param(FENICS, (), {"E": 2}, id="Langtangen, A FEniCS tutorial (2011), section 1.7.5, log"),
+    pytest.param(
+        EXAHYPE, ("--dofs", "1"), {"l1": 2.3, "l2": 2.35, "linf": 2.3}, id="ExaHyPE, convergence analysis, spreadsheet"
+    ),
+    pytest.param(MPMAT, (), {"disp1": 2, "disp1MPM": 2.05}, id="mpmat, impmMMS1DBody.m, MATLAB"),
+    pytest.param(MPMAT_FEM, (), {"dispLinf1": 2}, id="mpmat, femULMMS.m, MATLAB"),
+    pytest.param(NLFEM, (), {"L2 Error": 2}, id="nlfem, result_testConfConstant.md"),
+    pytest.param(THETA_SCHEME, ("--dofs", "1"), {"error": 2.55}, id="theta scheme, mivanit/numerical-PDE-nonsense, LaTeX"),
+]
+
+
+@pytest.mark.parametrize(("text", "options", "orders"), PUBLISHED)
 def test_the_order_is_the_one_that_was_published(text, options, orders):
     found = judged(text, *options)
     finest = {
         name: min(column["levels"], key=lambda level: next(iter(level.values())))["order"] for name, column in found.items()
     }
     assert finest == pytest.approx(orders, abs=0.15)
+
+
+@pytest.mark.parametrize(("text", "options", "orders"), PUBLISHED)
+def test_the_published_order_does_not_fail_and_no_other_one_passes(text, options, orders):
+    for name, order in orders.items():
+        only = (*options, "--error", name)
+        assert judged(text, *only, "--low", str(order - 0.35), "--high", str(order + 0.35))[name]["verdict"] != "FAIL"
+        for low, high in ((order + 0.4, order + 1), (order - 1, order - 0.4)):
+            assert judged(text, *only, "--low", str(low), "--high", str(high))[name]["verdict"] != "PASS"
 
 
 def test_columns_that_are_no_errors_are_left_out():
