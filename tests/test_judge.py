@@ -189,6 +189,27 @@ def test_replicates_enter_the_fit_as_they_are(judge):
     assert result.output.count(" 2.000\n") == 3, "one order for each size but the coarsest"
 
 
+def test_series_that_a_number_tells_apart_are_no_replicates(judge):
+    rows = "".join(f"{h},{nu},{nu * h**2!r}\n" for h in LADDER for nu in (0.1, 0.3))
+    refused = judge(f"h,nu,u\n{rows}", *BAND)
+    assert refused.exit_code == 2
+    assert "several series, told apart by 'nu'" in refused.stderr
+    assert verdicts(judge(f"h,case,u\n{rows}", *BAND)) == {"u (case=0.1)": "PASS", "u (case=0.3)": "PASS"}
+
+
+def test_a_pressure_is_judged_and_a_time_step_k_is_not(judge):
+    table = "h,k,p\n" + "".join(f"{h},{h},{h**2!r}\n" for h in LADDER)
+    assert verdicts(judge(table, *BAND)) == {"p": "PASS"}
+
+
+def test_a_count_that_varies_beside_dt_is_not_passed_over(judge):
+    table = "N,dt,u\n8,0.4,16\n16,0.2,4\n32,0.1,1\n"
+    assert "--cells DIM (for 'N'), or name a size by --h" in judge(table, *BAND).stderr
+    assert "h and dt together" in judge(table, "--cells", "1", *BAND).output
+    assert verdicts(judge(table, "--h", "dt", *BAND)) == {"u": "PASS"}
+    assert verdicts(judge(table.replace("16,", "8,").replace("32,", "8,"), *BAND)) == {"u": "PASS"}
+
+
 def test_a_design_may_be_exact(judge):
     assert verdicts(judge(DESIGN, "--exact", "1")) == {"u": "PASS"}
     assert verdicts(judge(DESIGN, "--exact", "1e-6")) == {"u": "FAIL"}

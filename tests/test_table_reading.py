@@ -227,9 +227,9 @@ def test_every_float_is_read_exactly(value):
         (Role.RATE, "rate, order, EOC, eoc(u), L2 rate, order_L2, conv. rate, Conv. rates, log2, r, o1, p_obs, pair_order_all"),
         (
             Role.OTHER,
-            "time, CPU time [s], seconds, wall_time, iterations, Newton its, memory, cond, CFL, seed, inside_cells, t, h^2, O(h), O(dt^2)",
+            "time, CPU time [s], seconds, wall_time, iterations, Newton its, memory, cond, seed, inside_cells, t, h^2, O(h), O(dt^2)",
         ),
-        (Role.DEGREE, "p, k, degree, polynomial degree"),
+        (Role.VARIANT, "p, k, degree, polynomial degree, case, method, CFL"),
         (
             Role.ERROR,
             "L2, H1, Linfty, error, L2 error, err_u, time error, velocity, u, ||u - u_h||_L^2, all_err, e_h, RMSE, L2error, |u|_H1",

@@ -15,7 +15,7 @@ class Role(StrEnum):
     CELLS = "number of cells"
     DOFS = "number of degrees of freedom"
     LEVEL = "level of refinement"
-    DEGREE = "polynomial degree"
+    VARIANT = "degree, case or method"
     RATE = "rate"
     OTHER = "neither size nor error"
     ERROR = "error"
@@ -38,7 +38,7 @@ NAMES: dict[Role, str] = {
     Role.LEVEL: r"(refinement|mesh|grid|ref)?(levels?|lvl|lev|cycle)|refinements?|refs?",
     Role.RATE: r"r|o(1|2|inf)|p(obs|hat)",
     Role.OTHER: r"t|s",
-    Role.DEGREE: r"p|k|q|deg(ree)?|poly(nomial)?deg(ree)?|(degree|order)[pkq]",
+    Role.VARIANT: r"case|test|example|variant|method|scheme|cfl|courant|p|k|q|deg(ree)?|poly(nomial)?deg(ree)?|(degree|order)[pkq]",
 }
 """Whole names without blanks, and of counts without "number of" and the like."""
 COUNTED = frozenset({"number", "of", "num", "no", "nb", "n", "total", "active", "global", "free"})
@@ -51,7 +51,7 @@ ERRORS = re.compile(".*err(ors?)?")
 OTHERS = re.compile(
     "cells|elem(ent)?s|n?dofs|nodes|vertices|faces|edges|particles|unknowns|"
     "times?|sec(ond)?s?|cpu|wall(time)?|runtime|clock|hours|minutes|ms|iter(ation)?s?|its?|nits?|niter|newton|mem(ory)?|[mg]b|flops"
-    "|cost|cond(ition)?|cfl|courant|seeds?|samples?|replicates?|run|id|index|cores|procs|ranks|threads"
+    "|cost|cond(ition)?|seeds?|samples?|replicates?|run|id|index|cores|procs|ranks|threads"
 )
 """A word in the name of a column that holds neither sizes nor errors."""
 

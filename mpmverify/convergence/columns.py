@@ -19,6 +19,8 @@ OPTION = {Role.CELLS: "--cells DIM", Role.DOFS: "--dofs DIM", Role.LEVEL: "--lev
 """Option that turns a count into a size."""
 SPACE, TIME, PARTICLES = "h", "dt", "1/ppc"
 """Sizes as `axis` names them."""
+DEGREES = frozenset("pkq")
+"""Names of degrees in whole numbers; p may also be a pressure, and k a time step."""
 AXES = {Role.TIME_STEP: TIME, Role.STEPS: TIME, Role.PARTICLES: PARTICLES}
 """Size that a column gives; all others give h."""
 
@@ -144,14 +146,11 @@ def choose(
     counters = [name for name in table.names if role(name) not in (*SIZES, Role.LEVEL) and _counts_rows(table, name)]
     found = _sizes(table, sizes, [name for name in table.names if name not in (*judged, *counters)], conversion)
     rest = [name for name in table.names if name not in {size.column for size in found.values()}]
-    text = [name for name in rest if table.is_text(name)]
-    by = _grouping(table, found, [name for name in rest if name not in judged and (name in text or _is_degree(table, name))])
-    known = (*text, *by, *counters, INDEX)
-    judged = tuple(dict.fromkeys(judged)) or tuple(
-        name
-        for name in rest
-        if name not in known and (role(name) is Role.ERROR or (name == "p" and not _is_degree(table, name)))
-    )
+    apart = [name for name in rest if name not in judged and _tells_apart(table, name)]
+    by = _grouping(table, found, apart)
+    told = tuple(dict.fromkeys(judged))
+    known = (*apart, *counters, INDEX)
+    judged = told or tuple(name for name in rest if name not in known and (role(name) is Role.ERROR or name == "p"))
     if not judged:
         named = " and ".join(repr(size.column) for size in found.values())
         raise UsageError(f"{table.place} has no column of {what}s beside {named}: name one with --{what}")
@@ -160,6 +159,8 @@ def choose(
     for name in neither:
         if role(name) in SIZES:
             _refuse_hidden(table, name, found, groups)
+    for name in () if told else judged:
+        _refuse_parameter(table, name, found, groups)
     return Columns(table, found, judged, by, neither, groups)
 
 
@@ -181,12 +182,25 @@ def _counts_rows(table: Table, name: str) -> bool:
     return table.cells(name) == tuple(str(row) for row in range(len(table.rows)))
 
 
-def _is_degree(table: Table, name: str) -> bool:
-    """Whether a column such as p holds small whole numbers."""
-    if role(name) is not Role.DEGREE:
-        return False
+def _tells_apart(table: Table, name: str) -> bool:
+    """Whether a column may tell series apart: a text, a case, or a degree in small whole numbers."""
+    if table.is_text(name) or role(name) is not Role.VARIANT:
+        return table.is_text(name)
     values = table.numbers(name)
-    return bool(np.all((values == np.round(values)) & (values >= 0) & (values < 32)))
+    return name not in DEGREES or bool(np.all((values == np.round(values)) & (values >= 0) & (values < 32)))
+
+
+def _refuse_parameter(table: Table, name: str, sizes: Mapping[str, Size], groups: Sequence[Group]) -> None:
+    """Refuse numbers that are the same at several sizes and others at the same size: no errors, but a parameter of several series."""
+    for group in groups:
+        at: dict[str, set[tuple[float, ...]]] = {}
+        for row in group.rows:
+            at.setdefault(table.cells(name)[row], set()).add(tuple(size.values[row] for size in sizes.values()))
+        counts = [len(met) for met in at.values()]
+        if len(at) > 1 and min(counts) > 1 and sum(counts) == len(group.rows) > len(set.union(*at.values())):
+            raise UsageError(
+                f"{table.place} has several series, told apart by {name!r}: give the rows of one {name!r}, or call it 'case'"
+            )
 
 
 def _sizes(table: Table, told: Sequence[str], others: Sequence[str], conversion: Conversion) -> dict[str, Size]:
@@ -207,9 +221,10 @@ def _sizes(table: Table, told: Sequence[str], others: Sequence[str], conversion:
         if ready[name] or (told and name not in counts):
             found.setdefault(AXES.get(kind, SPACE), _size(table, name, kind, conversion))
     varying = {axis: size for axis, size in found.items() if np.ptp(size.values) > SAME * size.values.max()}
-    if counts and not varying:
+    varied = [name for name in counts if kinds[name] is not Role.LEVEL and len(set(table.cells(name))) > 1]
+    if counts and (not varying or (varied and SPACE not in varying)):
         hints = " or ".join(f"{OPTION[kinds[name]]} (for {name!r})" for name in counts)
-        raise UsageError(f"{table.place} gives counts and no sizes: turn a count into a size by {hints}")
+        raise UsageError(f"{table.place} gives counts and no sizes: turn a count into a size by {hints}, or name a size by --h")
     if not found:
         raise UsageError(
             f"{table.place} has no column of sizes by its name ({', '.join(table.names)}): say which with --h COLUMN"

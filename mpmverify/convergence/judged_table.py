@@ -165,7 +165,7 @@ def _judged(columns: Columns, name: str, group: Group, demands: Demands) -> Judg
         found = judged(name, group, sizes, rows, errors[rows] / scale, demands, scale)
     except UsageError as error:
         raise UsageError(f"column {name!r}: {error}") from error
-    notes = [group.axis.note] if group.axis.together and group.axis.note else []
+    notes = [group.axis.note] if group.axis.together and len(group.axis.varied) > 1 else []
     notes += [f"no error is given at {', '.join(missing)}"] if missing else []
     return replace(found, reason="; ".join((found.reason, *notes)))
 
