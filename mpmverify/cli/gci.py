@@ -16,7 +16,11 @@ if TYPE_CHECKING:
 @click.command(epilog="Exit status: 0 computed, 2 usage, 3 a value is not finite.")
 @table_options
 @click.option(
-    "--value", "values", multiple=True, metavar="COLUMN", help="Column of values  [default: all that are nothing else]"
+    "--value",
+    "values",
+    multiple=True,
+    metavar="COLUMN",
+    help="Column of values; may be repeated  [default: all that are nothing else]",
 )
 @click.option("--formal", type=float, metavar="ORDER", help="Theoretical order of the scheme; two levels alone need it.")
 def gci(

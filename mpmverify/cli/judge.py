@@ -44,7 +44,11 @@ def by_column(name: str, metavar: str, text: str) -> Callable[[Command], Command
 )
 @table_options
 @click.option(
-    "--error", "errors", multiple=True, metavar="COLUMN", help="Column of errors  [default: all that are nothing else]"
+    "--error",
+    "errors",
+    multiple=True,
+    metavar="COLUMN",
+    help="Column of errors; may be repeated  [default: all that are nothing else]",
 )
 @by_column("--low", "ORDER", "Lower edge of the accepted band of orders.")
 @by_column("--high", "ORDER", "Upper edge of the accepted band of orders.")

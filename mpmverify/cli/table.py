@@ -37,33 +37,25 @@ class Shown:
     title: str = ""
 
 
+DIMENSION = click.IntRange(1, 3)
+OPTIONS = (
+    click.argument("file", type=click.Path(path_type=Path, allow_dash=True)),
+    click.option(
+        "--h", "sizes", multiple=True, metavar="COLUMN", help="Column of sizes; may be repeated  [default: by its name]"
+    ),
+    click.option("--cells", type=DIMENSION, metavar="DIM", help="The sizes are numbers of cells in DIM dimensions."),
+    click.option("--dofs", type=DIMENSION, metavar="DIM", help="The sizes are numbers of unknowns in DIM dimensions."),
+    click.option("--levels", type=float, metavar="RATIO", help="The sizes are levels, each RATIO times finer than the last."),
+    click.option(
+        "--format", "form", type=click.Choice(FORMATS), default="table", show_default=True, help="Format of the output."
+    ),
+)
+
+
 def table_options(command: Command) -> Command:
     """Add the file, the options that choose its columns, and --format."""
-    for decorator in reversed(
-        [
-            click.argument("file", type=click.Path(path_type=Path, allow_dash=True)),
-            click.option("--h", "sizes", multiple=True, metavar="COLUMN", help="Column of sizes  [default: by its name]"),
-            click.option(
-                "--cells",
-                type=click.IntRange(1, 3),
-                metavar="DIM",
-                help="Take a number of cells in DIM dimensions for the size.",
-            ),
-            click.option(
-                "--dofs", type=click.IntRange(1, 3), metavar="DIM", help="Take a number of degrees of freedom for the size."
-            ),
-            click.option(
-                "--levels",
-                type=float,
-                metavar="RATIO",
-                help="Take a level for the size, which falls by RATIO from one to the next.",
-            ),
-            click.option(
-                "--format", "form", type=click.Choice(FORMATS), default="table", show_default=True, help="Format of the output."
-            ),
-        ]
-    ):
-        command = decorator(command)
+    for option in reversed(OPTIONS):
+        command = option(command)
     return command
 
 

@@ -166,7 +166,7 @@ def from_json(text: Text) -> Rows | None:
         return None
     names = tuple(dict.fromkeys(name for record in found for name in record))
     cells = [tuple("" if record.get(name) is None else plain(str(record[name])) for name in names) for record in found]
-    return Rows([(1, names), *((at, row) for at, row in enumerate(cells, start=1))])
+    return Rows([(1, plain_cells(names)), *((at, row) for at, row in enumerate(cells, start=1))])
 
 
 def piped(text: Text) -> Rows | None:
