@@ -145,6 +145,13 @@ def test_a_count_becomes_a_size_by_its_dimension(judge, name, option):
     assert ("--cells" in refused.stderr or "--dofs" in refused.stderr) or "--h COLUMN" in refused.stderr
 
 
+def test_cells_go_before_a_bare_n():
+    table = "n,cells,u\n1,64,16\n2,256,4\n3,1024,1\n"
+    result = CliRunner().invoke(cli, ["judge", "-", "--cells", "2", *BAND], input=table)
+    assert verdicts(result) == {"u": "PASS"}
+    assert "Left out: 'n'." in result.output
+
+
 def test_a_level_becomes_a_size_by_its_ratio(judge):
     table = "level,u\n" + "".join(f"{k},{9.0**-k!r}\n" for k in range(4))
     assert verdicts(judge(table, "--levels", "3", *BAND)) == {"u": "PASS"}

@@ -216,8 +216,8 @@ def _sizes(table: Table, told: Sequence[str], others: Sequence[str], conversion:
     ready = {name: kind in SIZES or kind in conversion or bool(table.directions(name)) for name, kind in kinds.items()}
     counts = [name for name, kind in kinds.items() if kind in COUNTS and not ready[name]]
     found: dict[str, Size] = {}
-    first = (*conversion, Role.SPACE, Role.TIME_STEP)
-    for name, kind in sorted(kinds.items(), key=lambda entry: first.index(entry[1]) if entry[1] in first else len(first)):
+    best = (*conversion, Role.SPACE, Role.TIME_STEP, *(kind for kind in Role if kind not in conversion))
+    for name, kind in sorted(kinds.items(), key=lambda entry: (best.index(entry[1]), entry[0].lower() == "n")):
         if ready[name] or (told and name not in counts):
             found.setdefault(AXES.get(kind, SPACE), _size(table, name, kind, conversion))
     varying = {axis: size for axis, size in found.items() if np.ptp(size.values) > SAME * size.values.max()}
