@@ -44,7 +44,7 @@ def test_exit_statuses(judge, content, options, status, verdict):
 
 def test_without_a_band_order_interval_and_class_are_printed(judge):
     output = judge(SECOND).output
-    assert "order 1.995, interval [1.942, 2.048] from 4 levels (asymptotic)" in output
+    assert "order 1.995, interval [1.955, 2.030] from 4 levels (asymptotic)" in output
     assert "no order passes" in output
 
 
