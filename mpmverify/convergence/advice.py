@@ -29,7 +29,7 @@ def what_would_decide(series: Convergence, decided: Callable[[Convergence], bool
     predicted = series.estimate.predict(np.append(series.h[usable][-1], further))[1:]
     for more in range(1, MOST_LEVELS + 1):
         if predicted[more - 1] <= 10 * series.limit:
-            return "finer levels come close to round-off: add levels between these"
+            return "finer errors would not stand out from round-off or from the reference: add levels between these"
         longer = analyse(
             np.append(series.h[usable], further[:more]),
             np.append(series.error[usable], predicted[:more]),

@@ -1,8 +1,9 @@
 """Order at the finest level and as h goes to zero, averaged over all laws that explain the errors, each weighted by its evidence.
 
-A law says which levels are asymptotic and how their errors fall. The asymptotic levels are a run of the finest ones, at least four
-where there are as many. Their errors are A h^p, or A h^p with one further term: B h^q of either sign, as Taylor expansions of errors
-have it, or a part that alternates from level to level. The coarser levels are rough: their errors lie anywhere.
+A law says which levels are asymptotic and how their errors fall. The asymptotic levels are a run of the finest ones. Their errors are
+A h^p, or A h^p with one further term: B h^q of either sign, as Taylor expansions of errors have it, or a part that alternates from
+level to level. The coarser levels are rough: their errors lie anywhere. A run of three levels is allowed, but it leaves one degree of
+freedom, so that its interval is wide.
 """
 
 import math
@@ -21,14 +22,14 @@ SCATTER_WEIGHT = 1
 ROUGH_RANGE = math.log(100.0)
 """Range of log E in which the error of a rough level lies with equal probability."""
 LEAST_RUN, LEAST_ALTERNATING = 3, 5
-"""Least number of sizes in a run of finest levels if there are as many, and in an alternating one."""
+"""Least number of sizes in a run of finest levels, and in an alternating one."""
 STRAIGHT, FURTHER_TERM, ALTERNATING = 0.6, 0.3, 0.1
 """Probabilities of the three kinds of laws before the errors are seen."""
 FURTHER_ORDERS = np.array([0.3, 0.4, 0.5, 0.65, 0.8, 1, 1.25, 1.5, 1.75, 2, 2.5, 3, 3.5, 4, 5, 6])
 """Differences q - p of the orders of the two terms; a negative one exchanges the terms."""
 TERM_STEPS = np.linspace(1, 0, 24)
 """Positions of the share of the further term, on a logarithmic scale from `LEAST_TERM` at the third finest level to 1 at the finest."""
-LEAST_TERM = 0.04
+LEAST_TERM = 0.003
 """Least ratio of the further term to the first one at the third finest level."""
 LARGEST_NEGATIVE_TERM = 0.9
 """Largest ratio of a further term of the other sign to the first one on any level of a run."""

@@ -12,10 +12,12 @@ PLAUSIBLE = 12.0
 """Largest credible order in h or dt. A higher one means that a coarse level is unstable, or that a fine level is exact by chance."""
 CERTAIN = 0.99
 """Least probability that an order lies outside its band at which a series fails."""
+DOUBTFUL = 0.25
+"""Probability that the order at the finest level lies outside its band above which a series does not pass."""
 LEAVING = 0.9
 """Probability that the order as h goes to zero lies outside its band above which a series does not pass."""
 STEP_SLACK = 0.2
-"""Distance by which the order of the finest step may leave the band."""
+"""Distance by which the observed order of the finest step may leave the band."""
 NOT_FINITE = "the error is not finite on at least one level"
 
 
@@ -36,11 +38,12 @@ def judge_order(series: Convergence, low: float, high: float) -> Judgement:
 
     Notes
     -----
-    PASS if the interval of the order at the finest level lies inside the band, the order as h goes to zero lies there as well more
-    probably than not, the two finest steps do not both lie outside on one side, and the finest step leaves the band by no more than
-    `STEP_SLACK`. FAIL if the order at the finest level and the one as h goes to zero both lie outside on one side, with a probability
-    of `CERTAIN`, and at least one of the two finest steps does, as well as both steps together; or if the error grows over them.
-    A series that does not converge passes in no band, and `PLAUSIBLE` bounds every band from above.
+    PASS if the interval of the order of the finest step lies inside the band, the order at the finest level lies there more probably
+    than not, and the one as h goes to zero does not lie outside with the probability `LEAVING`. Beyond the estimate, the two finest
+    steps must not both lie outside on one side, and the finest one leaves the band by no more than `STEP_SLACK`, unless both together
+    lie inside because the error alternates. FAIL if the order at the finest level and the one as h goes to zero both lie outside on
+    one side with the probability `CERTAIN`, and the finest steps confirm it, or if the error grows in the finest step. A series that
+    does not converge passes in no band, and `PLAUSIBLE` bounds every band from above.
     """
     found, reason = decide(series, low, high)
     if series.fit is None or series.estimate is None:
@@ -95,7 +98,7 @@ def decide(series: Convergence, low: float, high: float) -> Judgement:
         return Verdict.INCONCLUSIVE, f"{{measured}} straddles an edge of {band}"
     if series.plunges(high + STEP_SLACK):
         return Verdict.INCONCLUSIVE, f"{{measured}} lies in {band}, but no such order makes the error vanish in one step"
-    if max(below.finest, above.finest) > 0.5 or max(below.limit, above.limit) > LEAVING:
+    if max(below.finest, above.finest) > DOUBTFUL or max(below.limit, above.limit) > LEAVING:
         return Verdict.INCONCLUSIVE, f"{{measured}} lies in {band}, but leaves it as {series.size} goes to zero"
     in_band = any(low - slack <= step <= high + slack for step, slack in ((steps[-1], STEP_SLACK), (together, 0.0)))
     if max(steps) < low or min(steps) > high or not in_band:

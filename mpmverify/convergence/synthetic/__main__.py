@@ -36,7 +36,7 @@ def main(count: int, seed: int) -> None:
     Beside the series, a fiftieth as many designs and a quarter as many series that are hard to decide are judged.
     """
     rates = measure(count, seed)
-    console = Console(width=120)
+    console = Console(width=140)
     ideal = ideal_rates(max(20, count // 500), seed)
     console.print(
         table("Verdicts on series of known truth", [*rates, *(total(rates, truth) for truth in Truth), total(rates)], ideal)

@@ -109,7 +109,7 @@ KINDS: Mapping[str, Kind] = {
     "mixed orders, too high": Kind(Truth.OUTSIDE, partial(laws.mixed, order=LawInputs.above)),
     "slower in the end": Kind(Truth.OUTSIDE, laws.slower_in_the_end),
     "other floor": Kind(Truth.OUTSIDE, laws.floor),
-    "single precision, untold": Kind(Truth.OUTSIDE, FIXED, altered=laws.in_single_precision),
+    "single precision, untold": Kind(Truth.OUTSIDE, FIXED, altered=laws.in_single_precision, least=4),
     "stagnant": Kind(Truth.OUTSIDE, laws.stagnant, (0.0, 0.2)),
     "equal errors": Kind(Truth.OUTSIDE, laws.equal, (0.0, 0.0)),
     "divergent": Kind(Truth.OUTSIDE, laws.divergent, (0.0, 0.1)),

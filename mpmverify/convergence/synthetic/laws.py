@@ -184,9 +184,9 @@ def at_round_off(s: LawInputs, error: Array, least: int, round_off: float = ROUN
 
 
 def in_single_precision(s: LawInputs, error: Array) -> Array:
-    """Hide at least the three finest levels under noise of single precision, of which the judge is not told."""
-    level = len(error) - min(3, len(error) - 1)
-    return error / error[level] * 1e-7 * s.uniform(0, 0.5) + 1e-7 * np.exp(0.5 * s.generator.standard_normal(len(error)))
+    """Hide the three finest of at least four levels under noise of single precision, of which the judge is not told."""
+    noise = 1e-7 * np.exp(0.5 * s.generator.standard_normal(len(error)))
+    return error / error[-3] * 1e-7 * s.uniform(0, 0.5) + noise
 
 
 def against_reference(s: LawInputs, error: Array) -> Array:
