@@ -42,22 +42,14 @@ SECOND = tuple(Order(quantity, "L2-max", 1.8, 2.2, ROWS_SOURCE) for quantity in 
 STARTED = SECOND[0], *(Order(quantity, "L2-max", 1.35, 2.15, v.START_SOURCE) for quantity in ("velocity", "stress"))
 STRESS = Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE)
 DOMAINS_SOURCE = (
-    "own derivation: the load on the surface goes to the nodes by hats and the stress of the domains by wider functions, so that the "
-    "stress is off by O(1) in a layer of O(h), and hence by O(h^(1/2)) in L2, and the displacement by O(h^(3/2))"
+    "own measurement: the domain of a particle at the surface reaches a node outside the body, or does not by round-off, and that node has "
+    "so little mass that the stress there is off by O(1) in either case, in a layer of O(h); random places of the particles change the "
+    "errors by a third"
 )
-DOMAINS = Order("displacement", "L2-max", 1.3, 1.65, DOMAINS_SOURCE)
-DOMAIN_SIZES = tuple(
-    Size(
-        quantity,
-        "L2-max",
-        low,
-        high,
-        "own measurement, to a tenth: a time that runs 1 % too fast hides in the order, and the velocity has none yet",
-        BOX / 96,
-    )
-    for quantity, low, high in (("displacement", 0.0039, 0.0047), ("velocity", 0.008, 0.0098))
+DOMAINS = tuple(
+    Size(quantity, "L2-max", low, high, DOMAINS_SOURCE, BOX / 96)
+    for quantity, low, high in (("displacement", 0.0025, 0.0055), ("velocity", 0.006, 0.0115), ("stress", 0.1, 0.17))
 )
-DOMAIN_STRESS = Order("stress", "L2-max", 0.35, 0.65, DOMAINS_SOURCE)
 SIZE_SOURCE = "own measurement, to a tenth, on levels too coarse for the order at the front"
 SIZE = Size("stress", "L2", 0.0135, 0.0167, SIZE_SOURCE, BOX / 48)
 SPEED = Size("velocity", "L2", 0.0081, 0.01, SIZE_SOURCE, BOX / PLANE[4])
@@ -90,9 +82,7 @@ STUDY = Study(
                     _at_front("stress"),
                 ),
                 _series(MaterialPoint("USL", APIC, "quadratic"), BOX, PLANE, 5, 0.4, 2, MOMENTUM, *FRONTS, _at_front("stress")),
-                _series(
-                    MaterialPoint("USL", basis="ugimp"), BOX, PLANE, 5, 0.4, 2, MOMENTUM, DOMAINS, DOMAIN_STRESS, *DOMAIN_SIZES
-                ),
+                _series(MaterialPoint("USL", basis="ugimp"), BOX, PLANE, 5, 0.4, 2, MOMENTUM, *DOMAINS),
             ),
             shown="displacement",
         ),

@@ -9,7 +9,7 @@ import pytest
 
 from mpmverify import studies
 from mpmverify.convergence.verdict import Verdict
-from mpmverify.criteria import Order, Separated, Stall
+from mpmverify.criteria import Order, Stall
 from mpmverify.exact import VerificationProblem
 from mpmverify.execution.verify import verify
 from mpmverify.problem import Discretisation, Problem
@@ -90,23 +90,6 @@ def test_a_body_at_rest_fails_by_every_stall(study: str, case: str) -> None:
         (found,) = verify(NeverMoves(), studies.get(study), case, refinement=refinement, criteria=[criterion])
         assert found.verdict is Verdict.FAIL
         assert found.reason.endswith("at errors of 1 and 1, which are not of the size that is known of the scheme")
-
-
-def converging() -> Iterator[Any]:
-    """Every shipped solver on every case on which its study expects that it converges."""
-    for name in studies.NAMES:
-        for case in studies.get(name).in_tier("quick").cases:
-            solvers = [s.solver for s in case.series if any(isinstance(c, Order | Separated) for c in s.criteria)]
-            for solver in dict.fromkeys(solvers):
-                yield pytest.param(name, case.name, solver, id=f"{name}-{case.name}-{solver.name}")
-
-
-@pytest.mark.parametrize(("study", "case", "solver"), list(converging()))
-def test_every_shipped_solver_passes_by_the_defaults_where_its_study_expects_that_it_converges(
-    study: str, case: str, solver: Solver
-) -> None:
-    found = verify(solver, studies.get(study), case)
-    assert {finding.verdict for finding in found} == {Verdict.PASS}, [str(finding) for finding in found]
 
 
 def sizes(problem: VerificationProblem) -> Iterator[tuple[str, float]]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from mpmverify.convergence.verdict import worst
 from mpmverify.criteria import Dispersion
+from mpmverify.criteria.criterion import Criterion
 from mpmverify.dataset.files import Results
 from mpmverify.execution.runner import Plan, run
 from mpmverify.execution.workers import environment
@@ -60,10 +61,16 @@ def unmodified(studies: Sequence[Study], setting: Setting, baseline: Baseline) -
 
 
 def jittered(study: Study, setting: Setting) -> Study:
-    """Add jitter to every series, except those judged by a dispersion relation, which holds for regular particles only."""
+    """Add jitter to every series, except those judged by what holds for regular particles only.
+
+    These are dispersion relations, and angular momenta: particles out of place have another one, and a torque.
+    """
+
+    def regular(criterion: Criterion) -> bool:
+        return isinstance(criterion, Dispersion) or getattr(criterion, "stock", "") == "angular_momentum"
 
     def moved(series: Series) -> Series:
-        if any(isinstance(criterion, Dispersion) for criterion in series.criteria):
+        if any(map(regular, series.criteria)):
             return series
         return dataclasses.replace(series, refinement=series.refinement.with_jitter(setting.jitter, setting.seed))
 
