@@ -76,7 +76,8 @@ def contents(path):
 
 
 @pytest.mark.parametrize(
-    "command", [[], ["run"], ["gate"], ["report"], ["list"], ["judge"], ["compare"], ["baseline"], ["baseline", "accept"]]
+    "command",
+    [[], ["run"], ["gate"], ["report"], ["list"], ["judge"], ["gci"], ["compare"], ["baseline"], ["baseline", "accept"]],
 )
 def test_every_command_has_help(command):
     result = call(*command, "--help")

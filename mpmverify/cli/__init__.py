@@ -9,11 +9,12 @@ from typing import NoReturn
 import click
 
 from mpmverify import __version__
+from mpmverify.cli.gci import gci
 from mpmverify.cli.group import Group
+from mpmverify.cli.judge import judge
 from mpmverify.cli.options import EPILOG
 from mpmverify.cli.reading import baseline, compare, gate, report
 from mpmverify.cli.solving import list_, run, selftest
-from mpmverify.cli.table import judge
 
 
 @click.group(cls=Group, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
@@ -22,7 +23,7 @@ def cli() -> None:
     """Prove that a wave solver is right: convergence studies, accuracy gates and reports."""
 
 
-for command in (list_, run, gate, report, compare, baseline, judge, selftest):
+for command in (list_, run, gate, report, compare, baseline, judge, gci, selftest):
     cli.add_command(command)
 
 

@@ -1,52 +1,169 @@
-"""The command `judge`, for a table of errors from any code."""
+"""Options of the commands that read a table, and tables as text, Markdown, LaTeX, CSV and JSON."""
 
-import sys
+import csv
+import io
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from mpmverify.errors import UsageError
+if TYPE_CHECKING:
+    from mpmverify.convergence.columns import Columns
 
-SIZES = ("dt", "ppc")
-"""Columns that are not errors unless --error names them: they describe the level."""
+Command = TypeVar("Command", bound=Callable[..., Any])
+FORMATS = ("table", "markdown", "latex", "csv", "json")
+COLOURS = {"PASS": "green", "INCONCLUSIVE": "yellow", "FAIL": "red", "ERROR": "magenta"}
+NOTHING = "-"
 
 
-@click.command(
-    epilog="Exit status: 0 pass, 1 an order failed, 2 usage, 3 an error is not finite, 4 inconclusive under --strict."
-)
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option("--h", "size", metavar="COLUMN", help="Column of the sizes  [default: h, else the first one]")
-@click.option(
-    "--error",
-    "errors",
-    multiple=True,
-    metavar="COLUMN",
-    help="Column of errors; may be repeated  [default: all others but dt and ppc]",
-)
-@click.option("--low", type=float, metavar="ORDER", help="Lower edge of the accepted band of orders.")
-@click.option("--high", type=float, metavar="ORDER", help="Upper edge of the accepted band of orders.")
-@click.option("--strict", is_flag=True, help="Exit with 4 when a verdict is inconclusive.")
-def judge(file: Path, size: str | None, errors: tuple[str, ...], low: float | None, high: float | None, strict: bool) -> None:
-    """Judge the order of errors in a CSV FILE from any code.
+@dataclass(frozen=True)
+class Shown:
+    """A table that is shown.
 
-    The first line names the columns; every other line is a level, in any order. The sizes are those of the column h, or else of the
-    first one; every other column but dt and ppc is one of errors, relative to the size of the exact solution. Without --low and
-    --high nothing passes: the order is told, and an error that does not converge fails.
+    Parameters
+    ----------
+    names : tuple of str
+    rows : tuple of tuple of str or float
+        Cells; a NaN is shown as "-".
+    title : str
     """
-    from mpmverify.cli.console import show_judgements
-    from mpmverify.convergence import FLAT, PLAUSIBLE, read_table, verdict
-    from mpmverify.convergence.verdict import exit_status
 
-    table = read_table(file)
-    size = size or ("h" if "h" in table.names else table.names[0])
-    errors = errors or tuple(name for name in table.names if name not in (size, *SIZES))
-    if not errors:
-        raise UsageError(f"'{file}' has no column of errors beside {size!r}")
-    if size in errors:
-        raise UsageError(f"the column {size!r} holds the sizes, and no errors: choose others with --h or --error")
-    band = None if low is high is None else (FLAT if low is None else low, PLAUSIBLE if high is None else high)
-    h = table.numbers(size)
-    judgements = {name: verdict(h, table.numbers(name), band=band) for name in dict.fromkeys(errors)}
-    show_judgements(judgements)
-    click.echo(f"Sizes: column {size!r}.")
-    sys.exit(exit_status([found for found, _ in judgements.values()], strict=strict))
+    names: tuple[str, ...]
+    rows: tuple[tuple[str | float, ...], ...]
+    title: str = ""
+
+
+DIMENSION = click.IntRange(1, 3)
+OPTIONS = (
+    click.argument("file", type=click.Path(path_type=Path, allow_dash=True)),
+    click.option(
+        "--h", "sizes", multiple=True, metavar="COLUMN", help="Column of sizes; may be repeated  [default: by its name]"
+    ),
+    click.option("--cells", type=DIMENSION, metavar="DIM", help="The sizes are numbers of cells in DIM dimensions."),
+    click.option("--dofs", type=DIMENSION, metavar="DIM", help="The sizes are numbers of unknowns in DIM dimensions."),
+    click.option("--levels", type=float, metavar="RATIO", help="The sizes are levels, each RATIO times finer than the last."),
+    click.option(
+        "--format", "form", type=click.Choice(FORMATS), default="table", show_default=True, help="Format of the output."
+    ),
+)
+
+
+def table_options(command: Command) -> Command:
+    """Add the file, the options that choose its columns, and --format."""
+    for option in reversed(OPTIONS):
+        command = option(command)
+    return command
+
+
+def chosen(file: Path, sizes: Sequence[str], judged: Sequence[str], what: str, **counts: float | None) -> "Columns":
+    """Read a table and choose its columns."""
+    from mpmverify.convergence.column_names import Role
+    from mpmverify.convergence.columns import choose
+    from mpmverify.convergence.table import read_table
+    from mpmverify.errors import UsageError
+
+    ratio = counts["levels"]
+    if ratio is not None and not (math.isfinite(ratio) and ratio > 1):
+        raise UsageError(f"--levels must be the ratio of the sizes of neighbouring levels, above 1, not {ratio:g}")
+    roles = {"cells": Role.CELLS, "dofs": Role.DOFS, "levels": Role.LEVEL}
+    conversion = {roles[name]: float(number) for name, number in counts.items() if number is not None}
+    return choose(read_table(file), sizes=sizes, judged=judged, conversion=conversion, what=what)
+
+
+def taken(columns: "Columns", what: str) -> str:
+    """Sentence that tells which column was taken for what."""
+    sizes = [
+        f"{size.column!r}" if size.label == size.column else f"{size.label} from {size.column!r}"
+        for size in columns.sizes.values()
+    ]
+    told = [f"Sizes: {', '.join(sizes)}.", f"{what.capitalize()}s: {_names(columns.judged)}."]
+    if columns.by:
+        told.append(f"One series for each {_names(columns.by)}.")
+    if columns.neither:
+        told.append(f"Left out: {_names(columns.neither)}.")
+    if columns.table.commas:
+        told.append(f"A comma {columns.table.commas}.")
+    return " ".join(told)
+
+
+def _names(names: Sequence[str]) -> str:
+    return ", ".join(repr(name) for name in names)
+
+
+def show(form: str, tables: Sequence[Shown], lines: Sequence[str], data: Mapping[str, Any]) -> None:
+    """Print tables and lines in a format of `FORMATS`; JSON holds the data instead."""
+    if form == "json":
+        click.echo(json.dumps(_finite(data), indent=2, ensure_ascii=False))
+        return
+    for table in tables:
+        title = [table.title] if table.title else []
+        click.echo("\n".join([*(LINE[form](line) for line in title), TABLE[form](table), ""]))
+    for line in lines:
+        word, _, rest = line.partition(" ")
+        bold = click.style(word, fg=COLOURS[word], bold=True) if form == "table" and word in COLOURS else word
+        click.echo(LINE[form](f"{bold} {rest}"))
+
+
+def _finite(data: Any) -> Any:
+    """Data without numbers that JSON cannot hold."""
+    if isinstance(data, Mapping):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [_finite(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data
+
+
+def _cell(cell: str | float) -> str:
+    if isinstance(cell, str):
+        return cell
+    return NOTHING if math.isnan(cell) else f"{cell:.6g}"
+
+
+def _text(table: Shown) -> str:
+    rows = [table.names, *([_cell(cell) for cell in row] for row in table.rows)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)
+
+
+def _markdown(table: Shown) -> str:
+    rows = [table.names, ["---:"] * len(table.names), *([_cell(cell) for cell in row] for row in table.rows)]
+    return "\n".join("| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in rows)
+
+
+def _latex(table: Shown) -> str:
+    head, *body = (
+        " & ".join(_escaped(cell) for cell in row) + r" \\"
+        for row in (table.names, *([_cell(c) for c in row] for row in table.rows))
+    )
+    columns = "r" * len(table.names)
+    return "\n".join(
+        [rf"\begin{{tabular}}{{{columns}}}", r"\toprule", head, r"\midrule", *body, r"\bottomrule", r"\end{tabular}"]
+    )
+
+
+def _escaped(cell: str) -> str:
+    return "".join(
+        {"^": r"\^{}", "~": r"\~{}", "\\": r"\backslash "}.get(sign, rf"\{sign}" if sign in "&%$#_{}" else sign)
+        for sign in cell
+    )
+
+
+def _csv(table: Shown) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(table.names)
+    writer.writerows(["" if cell != cell else cell for cell in row] for row in table.rows)
+    return text.getvalue().rstrip("\n")
+
+
+TABLE: dict[str, Callable[[Shown], str]] = {"table": _text, "markdown": _markdown, "latex": _latex, "csv": _csv}
+LINE: dict[str, Callable[[str], str]] = {
+    "table": str,
+    "markdown": lambda line: f"- {line}",
+    "latex": lambda line: f"% {line}",
+    "csv": lambda line: f"# {line}",
+}

@@ -6,6 +6,7 @@ random series of known truth that measure how often verdicts are right. Nothing 
 
 from mpmverify.convergence.fits import CONFIDENCE, Fit, FloorFit, fit_floor, fit_order, pairwise_orders
 from mpmverify.convergence.gci import Behaviour, GridConvergence, grid_convergence, grid_convergence_of_differences
+from mpmverify.convergence.grid_levels import GridLevel, grid_levels
 from mpmverify.convergence.order_verdict import PLAUSIBLE, judge_order, verdict
 from mpmverify.convergence.reference import Reference, qualify, qualify_by_differences
 from mpmverify.convergence.series import FLAT, ROUND_OFF, Classification, Convergence, analyse
@@ -22,6 +23,7 @@ __all__ = [
     "Fit",
     "FloorFit",
     "GridConvergence",
+    "GridLevel",
     "Reference",
     "Table",
     "analyse",
@@ -29,6 +31,7 @@ __all__ = [
     "fit_order",
     "grid_convergence",
     "grid_convergence_of_differences",
+    "grid_levels",
     "judge_order",
     "pairwise_orders",
     "qualify",

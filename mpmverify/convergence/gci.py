@@ -13,6 +13,8 @@ AGREEMENT = 0.1
 """Largest relative difference at which the observed and the formal order agree."""
 CONFIRMED, UNCONFIRMED = 1.25, 3.0
 """Factors of safety: where the order observed on three levels agrees with the formal one, and elsewhere."""
+PRECISION = 1e-15
+"""Width of the bracket at which the search for an order ends, relative to orders above 1."""
 LARGEST = 300.0
 """Bound on |p log r| in the search for the order p; double precision cannot show a faster change."""
 
@@ -132,7 +134,7 @@ def grid_convergence_of_differences(h: Numbers, difference: Numbers, *, formal: 
     return _from_changes(h, difference, formal)
 
 
-def observed_order(coarse_ratio: float, fine_ratio: float, growth: float) -> float:
+def observed_order(coarse_ratio: float, fine_ratio: float, growth: float, *, alternating: bool = False) -> float:
     """Observed order p of a quantity on three levels; -inf or inf where |p| exceeds what double precision can show.
 
     Parameters
@@ -141,22 +143,28 @@ def observed_order(coarse_ratio: float, fine_ratio: float, growth: float) -> flo
         Refinement ratios (coarser size over finer size, above 1) of the two coarser levels and of the two finer levels.
     growth : float
         Change between the two coarser levels over the change between the two finer ones; positive.
+    alternating : bool
+        Whether the two changes have opposite signs. The equation of `grid_convergence` then has +1 in place of -1, as in Celik et al.
     """
-    from scipy.optimize import brentq  # imported here because it takes a fifth of a second and only references need it
-
     wide, narrow = math.log(coarse_ratio), math.log(fine_ratio)
 
     def excess(p: float) -> float:
+        if alternating:
+            return p * narrow + math.log((math.exp(p * wide) + 1) / (math.exp(p * narrow) + 1) / growth)
         # (r^p - 1)/(1 - s^-p): near p = 0 both terms are small, so use expm1, and the limit at p = 0.
         of_steps = math.expm1(p * wide) / -math.expm1(-p * narrow) if abs(p) * max(wide, narrow) > 1e-12 else wide / narrow
         return math.log(of_steps / growth)
 
-    bound = LARGEST / max(wide, narrow)
-    if excess(bound) < 0:
+    high = LARGEST / max(wide, narrow)
+    low = -high
+    if excess(high) < 0:
         return math.inf
-    if excess(-bound) > 0:
+    if excess(low) > 0:
         return -math.inf
-    return float(brentq(excess, -bound, bound, xtol=1e-14, rtol=1e-14))
+    while high - low > PRECISION * max(1.0, abs(low)):
+        middle = (low + high) / 2
+        low, high = (middle, high) if excess(middle) < 0 else (low, middle)
+    return (low + high) / 2
 
 
 def _from_changes(h: Array, steps: Array, formal: float) -> GridConvergence:

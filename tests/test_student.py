@@ -1,0 +1,21 @@
+"""Student's t without SciPy is that of SciPy."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.special import stdtr, stdtrit
+
+from mpmverify.convergence.student import student_probability, student_quantile
+
+
+@given(st.lists(st.integers(1, 60), min_size=1, max_size=9), st.floats(-40, 40))
+def test_the_probability(degrees_of_freedom, t):
+    n = np.array(degrees_of_freedom, dtype=float)
+    assert student_probability(n, np.full(len(n), t)) == pytest.approx(stdtr(n, t), abs=1e-14)
+
+
+@given(st.integers(1, 60), st.floats(0.01, 0.9999))
+def test_the_quantile(degrees_of_freedom, confidence):
+    expected = stdtrit(degrees_of_freedom, 0.5 + confidence / 2)
+    assert student_quantile(degrees_of_freedom, confidence) == pytest.approx(expected, rel=1e-9)
