@@ -45,7 +45,7 @@ def write(results: Results, manifest: Manifest, known: Manifest) -> None:
     stale = manifest.stale(known, results)
     for name in (*stale, "index"):
         _make_way(page(results, name))
-    runs = {path.stem for path in (results.path / "runs").glob("*.nc")}
+    runs = {path.stem for path in results.runs.glob("*.nc")}
     records = [read(results.study(name)) for name in sorted(manifest.studies)]
     _write_assets(results.report / "assets")
     for record in records:

@@ -218,6 +218,25 @@ def test_a_class_without_source_is_refused():
         digest(module.Made())
 
 
+def test_a_path_is_keyed_by_the_name_and_the_bytes_of_its_file(tmp_path):
+    program = tmp_path / "wave"
+    program.write_bytes(b"built")
+    key = digest({"program": program})
+    program.write_bytes(b"other")
+    os.utime(program, ns=(1, 1))
+    rebuilt = digest({"program": program})
+    program.write_bytes(b"built")
+    moved = tmp_path / "elsewhere" / "wave"
+    moved.parent.mkdir()
+    program.rename(moved)
+    assert rebuilt != key
+    assert digest({"program": moved}) == key
+    assert digest({"program": moved.rename(tmp_path / "another")}) != key
+    for missing, reason in ((program, "No such file or directory"), (tmp_path, "Is a directory")):
+        with pytest.raises(UsageError, match=rf"^runs that depend on '{missing}' have no key \({reason}\): build this file"):
+            digest({"program": missing})
+
+
 def test_a_function_is_keyed_by_its_name_and_module():
     assert digest(faulty_solvers.study) != digest(faulty_solvers.plan)
 

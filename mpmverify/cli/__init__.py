@@ -9,6 +9,7 @@ from typing import NoReturn
 import click
 
 from mpmverify import __version__
+from mpmverify.cli.cleaning import clean
 from mpmverify.cli.group import Group
 from mpmverify.cli.options import EPILOG
 from mpmverify.cli.reading import baseline, compare, gate, report
@@ -22,7 +23,7 @@ def cli() -> None:
     """Prove that a wave solver is right: convergence studies, accuracy gates and reports."""
 
 
-for command in (list_, run, gate, report, compare, baseline, judge, selftest):
+for command in (list_, run, gate, report, compare, baseline, judge, selftest, clean):
     cli.add_command(command)
 
 

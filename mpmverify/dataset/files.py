@@ -27,8 +27,12 @@ class Results:
 
     path: Path
 
+    @property
+    def runs(self) -> Path:
+        return self.path / "runs"
+
     def run(self, key: str) -> Path:
-        return self.path / "runs" / f"{key}.nc"
+        return self.runs / f"{key}.nc"
 
     def study(self, name: str) -> Path:
         return self.path / f"{name}.nc"
@@ -58,8 +62,8 @@ class Results:
             If the folder cannot be created or written to.
         """
         try:
-            (self.path / "runs").mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=self.path / "runs"):
+            self.runs.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=self.runs):
                 pass
         except OSError as error:
             reason = error.strerror or error
@@ -86,6 +90,17 @@ def check_ours(path: Path, kind: str) -> dict[str, Any]:
     if str(schema) != str(SCHEMA):
         raise ResultsError(f"'{path}' has schema {schema} and this version reads {SCHEMA}: move it away and run again")
     return attributes
+
+
+def is_run(path: Path) -> bool:
+    """Whether a file is a run of any version, or a damaged one."""
+    try:
+        _attributes(path, "run")
+    except DamagedError:
+        return True
+    except ResultsError:
+        return False
+    return True
 
 
 def _attributes(path: Path, kind: str) -> dict[str, Any]:
