@@ -2,6 +2,8 @@
 
 import dataclasses
 import json
+import os
+import signal
 from pathlib import Path
 
 import netCDF4
@@ -12,6 +14,7 @@ from faulty_solvers import BEHAVIOURS, SECOND_ORDER, Scripted, ladder, plan, stu
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Amplification, Balance, Order
 from mpmverify.dataset.files import Results
+from mpmverify.dataset.leftovers import leftovers
 from mpmverify.dataset.study import read_tree, stored_findings
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
@@ -559,3 +562,36 @@ def test_a_criterion_that_the_file_would_not_give_back_is_refused_before_anythin
     with pytest.raises(UsageError, match=f"the criterion '{kind.__name__}' of scripted/hill .* cannot be stored"):
         list(run([declared], plan(tmp_path / "results")))
     assert not (tmp_path / "results").exists()
+
+
+# Killed processes.
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs processes that share the scripted solvers")
+@pytest.mark.parametrize("renamed", [False, True], ids=["before", "after"])
+@pytest.mark.parametrize("file", range(1, LEVELS + 3))
+def test_a_killed_run_loses_nothing_that_was_finished(tmp_path, file, renamed):
+    """The process is killed when it renames one of its files: those of the runs, of the study, of the verdicts."""
+    rename, calls = Path.replace, []
+
+    def killing(temporary, target):
+        calls.append(target)
+        if len(calls) < file or renamed:
+            rename(temporary, target)
+        if len(calls) == file:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    child = os.fork()
+    if not child:
+        Path.replace = killing
+        judged_once(study(), tmp_path)
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == signal.SIGKILL
+    finished = files(tmp_path / "runs")
+    whole = {name: content for name, content in finished.items() if not name.startswith(".")}
+    assert len(whole) == min(LEVELS, file if renamed else file - 1)
+    entry = judged_once(study(), tmp_path)
+    assert (entry.solved, entry.reused) == (LEVELS - len(whole), len(whole))
+    assert whole.items() <= files(tmp_path / "runs").items()
+    assert entry.findings == judged_once(study(), tmp_path / "undisturbed").findings
+    assert set(leftovers(Results(tmp_path))) == {path for path in tmp_path.rglob(".*") if path.is_file()}, "the half of a file"
