@@ -7,7 +7,7 @@ import tempfile
 from dataclasses import dataclass
 from numbers import Integral
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import netCDF4
 
@@ -161,6 +161,6 @@ def make_way(path: Path, kind: str) -> None:
         raise ResultsError(f"'{path}' has another schema than {SCHEMA}, that of this version: move it away and run again")
 
 
-def compression(size: int) -> dict[str, str]:
-    """Return the arguments of netCDF4 by which a variable of some size [bytes] is stored: without loss, as every netCDF-4 reader takes it."""
-    return {"compression": "zlib"} if size > SMALL else {}
+def compression(size: int) -> Literal["zlib"] | None:
+    """Return how a variable of some size [bytes] is compressed: without loss, and so that every reader of netCDF-4 takes it."""
+    return "zlib" if size > SMALL else None

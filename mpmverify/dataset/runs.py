@@ -113,7 +113,7 @@ def write_run(path: Path, key: str, run: Run, title: str) -> None:
             pending: list[tuple[netCDF4.Variable, Array]] = []
 
             def put(name: str, dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> None:
-                variable = file.createVariable(name, "f8", dimensions, **compression(8 * values.size))
+                variable = file.createVariable(name, "f8", dimensions, compression=compression(8 * values.size))
                 variable.setncatts({"units": units, "long_name": long_name})
                 pending.append((variable, values))
 

@@ -52,13 +52,13 @@ def _declare(group: netCDF4.Dataset, dataset: xr.Dataset) -> list[tuple[netCDF4.
 def _variable(group: netCDF4.Dataset, name: str, values: xr.Variable) -> tuple[netCDF4.Variable, np.ndarray]:
     dimensions = [str(dimension) for dimension in values.dims]
     if values.dtype.kind not in "OU":
-        return group.createVariable(name, values.dtype, dimensions, **compression(values.nbytes)), values.values
+        return group.createVariable(name, values.dtype, dimensions, compression=compression(values.nbytes)), values.values
     encoded = np.char.encode(values.values.astype(str), "utf-8")
     width = max(1, encoded.dtype.itemsize)
     length = f"string{width}"
     if length not in group.dimensions:
         group.createDimension(length, width)
-    variable = group.createVariable(name, "S1", [*dimensions, length], **compression(encoded.nbytes))
+    variable = group.createVariable(name, "S1", [*dimensions, length], compression=compression(encoded.nbytes))
     variable.set_auto_chartostring(False)
     variable.setncattr("_Encoding", "utf-8")
     return variable, np.ascontiguousarray(encoded.astype(f"S{width}")).view("S1").reshape(*values.shape, width)

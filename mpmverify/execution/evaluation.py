@@ -131,7 +131,7 @@ def run_key(
     UsageError
         If one of them is not a value; see `digest`.
     """
-    code = {"mpmverify.criteria.norms"}
+    code = {__name__}
     measured = set()
     for criterion in criteria:
         if not isinstance(criterion, ErrorCriterion):
