@@ -174,9 +174,7 @@ def _evaluated(task: Task) -> Evaluated:
             run = measure(task, solution)
             if path:
                 write_run(path, task.key, run, str(task))
-        kept = run.solution
-        facts = dataclasses.asdict(kept.work) | {"dt": kept.dt, "errors": run.errors, "metrics": run.metrics}
-        return Evaluated(_level(task, kept.outcome, **facts), _snapshots(task, kept) if task.shown else None, solved)
+        return Evaluated(level_of(task, run), _snapshots(task, run.solution) if task.shown else None, solved)
     except MpmverifyError:
         raise
     except (Exception, SystemExit) as error:  # a solver under test may raise anything; the other runs must still finish
@@ -206,6 +204,13 @@ def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:
     at = task.discretisation
     identity = (task.case, task.solver.name, task.refinement, at.h, at.courant, at.ppc, task.key)
     return Level(*identity, jitter=at.jitter, seed=at.seed, outcome=str(outcome), **measured)
+
+
+def level_of(task: Task, run: Run) -> Level:
+    """Return what of a run is evidence."""
+    kept = run.solution
+    facts = dataclasses.asdict(kept.work) | {"dt": kept.dt, "errors": run.errors, "metrics": run.metrics}
+    return _level(task, kept.outcome, **facts)
 
 
 def measure(task: Task, solution: Solution) -> Run:
