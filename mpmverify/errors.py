@@ -11,3 +11,7 @@ class UsageError(MpmverifyError, ValueError):
 
 class ResultsError(MpmverifyError, OSError):
     """A results folder or file that cannot be read or written, or that mpmverify did not write."""
+
+
+class DamagedError(ResultsError):
+    """A file that mpmverify wrote and that cannot be read any more: it is set aside when it is made anew."""

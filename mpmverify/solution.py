@@ -1,7 +1,7 @@
 """The protocol of a solver, and the solution that it returns: sample points, fields, histories, work and outcome."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Protocol
 
@@ -129,6 +129,17 @@ class Solution:
     histories: Mapping[str, Array]
     work: Work
     outcome: Outcome = Outcome()
+
+    def excerpt(self, outputs: Array, samples: Array | None) -> "Solution":
+        """Return the solution at some outputs and samples of its histories, given by their indices; None for no histories."""
+        return replace(
+            self,
+            time=self.time[outputs],
+            position=self.position[outputs],
+            weight=self.weight[outputs],
+            fields={quantity: values[outputs] for quantity, values in self.fields.items()},
+            histories={} if samples is None else {name: values[samples] for name, values in self.histories.items()},
+        )
 
     def arrays(self) -> dict[str, Array]:
         """Return all arrays by name, including fields and histories."""

@@ -11,7 +11,8 @@ and modification time of each file, without reading a dataset.
 
 from pathlib import Path
 
-from mpmverify.dataset.files import Results
+from mpmverify.dataset.files import Results, check_ours, set_aside
+from mpmverify.errors import DamagedError
 
 from .manifest import Manifest
 
@@ -35,13 +36,18 @@ def render(results: Results, *, fresh: bool = False) -> Path:
     Raises
     ------
     ResultsError
-        If a results file is foreign or damaged, or a page cannot be written.
+        If a results file is foreign or damaged, or a page cannot be written. A damaged page or self-test is set aside.
     """
+    if results.selftest.exists():
+        try:
+            check_ours(results.selftest, "selftest")
+        except DamagedError:
+            set_aside(results.selftest)
     manifest = Manifest.of(results)
     known = Manifest() if fresh else Manifest.read(results)
     if fresh or not manifest.describes(known, results):
         from .site import write
 
-        write(results, manifest, manifest.stale(known, results))
+        write(results, manifest, known)
         manifest.write(results, known)
     return results.report / "index.html"

@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 
@@ -39,11 +39,14 @@ class Manifest:
         Study files, by stem.
     selftest : Source, optional
         File of the self-test, if there is one.
+    written : mapping of str to str
+        Digests of the files of the report, by their path in its folder.
     """
 
     code: str = ""
     studies: Mapping[str, Source] = field(default_factory=dict)
     selftest: Source | None = None
+    written: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def read(cls, results: Results) -> "Manifest":
@@ -51,7 +54,8 @@ class Manifest:
         try:
             stored = json.loads(_path(results).read_text(encoding="utf-8"))
             studies = {name: Source(**entry) for name, entry in stored["studies"].items()}
-            return cls(stored["code"], studies, Source(**stored["selftest"]) if stored["selftest"] else None)
+            selftest = Source(**stored["selftest"]) if stored["selftest"] else None
+            return cls(stored["code"], studies, selftest, dict(stored["written"]))
         except (OSError, ValueError, TypeError, KeyError, AttributeError):
             return cls()
 
@@ -72,7 +76,12 @@ class Manifest:
 
     def describes(self, known: "Manifest", results: Results) -> bool:
         """Whether the existing report, whose manifest is `known`, is up to date."""
-        return self == known and not self.stale(known, results)
+        unchanged = replace(known, written={}) == self and not self.stale(known, results)
+        return unchanged and all(known.wrote(results.report / name, results) for name in known.written)
+
+    def wrote(self, path: Path, results: Results) -> bool:
+        """Whether a file of the report is as it was written."""
+        return path.is_file() and self.written.get(_name(path, results)) == _digest(path)
 
     def stale(self, known: "Manifest", results: Results) -> list[str]:
         """Return the names of the pages that are missing or were made from other inputs: stems of studies, and "trust"."""
@@ -80,7 +89,7 @@ class Manifest:
         return [
             name
             for name, source in required.items()
-            if self.code != known.code or existing.get(name) != source or not page(results, name).exists()
+            if self.code != known.code or existing.get(name) != source or not known.wrote(page(results, name), results)
         ]
 
     def pages(self) -> dict[str, Source]:
@@ -91,7 +100,9 @@ class Manifest:
         """Write the manifest, and remove pages whose input file no longer exists."""
         for name in known.pages().keys() - self.pages().keys():
             page(results, name).unlink(missing_ok=True)
-        text = json.dumps(asdict(self), indent=1, sort_keys=True) + "\n"
+        files = [page(results, name) for name in (*self.pages(), "index")] + list((results.report / "assets").glob("*.*"))
+        written = {_name(path, results): _digest(path) for path in files}
+        text = json.dumps(asdict(replace(self, written=written)), indent=1, sort_keys=True) + "\n"
         write_atomic(_path(results), lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
@@ -100,8 +111,16 @@ def _source(path: Path) -> Source:
     return Source(status.st_size, status.st_mtime_ns)
 
 
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
 def page(results: Results, study: str) -> Path:
     return results.report / f"{study}.html"
+
+
+def _name(path: Path, results: Results) -> str:
+    return path.relative_to(results.report).as_posix()
 
 
 def _path(results: Results) -> Path:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import netCDF4
 import numpy as np
 
 from mpmverify.convergence.sources import Separation
-from mpmverify.dataset.files import SCHEMA, check_ours
+from mpmverify.dataset.files import SCHEMA, check_ours, damaged
 from mpmverify.dataset.findings import read_lacking
 from mpmverify.dataset.sources import MEANING, source_of
 from mpmverify.errors import ResultsError
@@ -44,7 +45,7 @@ def read(path: Path) -> Record:
         raise
     except (OSError, RuntimeError, AttributeError, LookupError, TypeError, ValueError) as error:
         check_ours(path, "study")
-        raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
+        raise damaged(path) from error
     return Record(
         path.stem,
         attributes,
@@ -183,7 +184,8 @@ def _separations(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict
 
 def _profiles(snapshots: netCDF4.Dataset) -> dict[tuple[str, str], Profile]:
     column, units = _columns(snapshots), _units(snapshots)
-    quantities = [name for name in column if f"{name}_exact" in column]
+    kinds = [name for name, variable in snapshots.variables.items() if variable.dimensions == ("obs",) and name != "reference"]
+    units = {name.removesuffix("_exact"): unit for name, unit in units.items()}
     ends = np.cumsum(column["row_size"])
     table: dict[tuple[str, str], list[int]] = {}
     for row, identity in enumerate(zip(column["case"].tolist(), column["refinement"].tolist(), strict=True)):
@@ -199,16 +201,18 @@ def _profiles(snapshots: netCDF4.Dataset) -> dict[tuple[str, str], Profile]:
         def grid(
             name: str, part: slice = part, shape: tuple[int, int] = (len(rows), points), by: np.ndarray = ascending
         ) -> Array:
-            values: Array = column[name][part].reshape(shape)[:, by]
+            values: Array = column[name][part].reshape(shape)[:, by].astype(float) if name in column else np.full(shape, np.nan)
             return values
 
-        measured = [name for name in quantities if np.isfinite(column[name][part]).any()]
+        exact = {name: grid(f"{name}_exact") for name in dict.fromkeys(re.sub("_(exact|error)$", "", kind) for kind in kinds)}
+        fields = {name: grid(name) if name in column else known + grid(f"{name}_error") for name, known in exact.items()}
+        measured = [name for name, values in fields.items() if np.isfinite(values).any()]
         profiles[identity] = Profile(
             h=float(column["h"][rows[0]]),
             time=column["time"][rows],
             reference=reference[ascending],
-            fields={name: grid(name) for name in measured},
-            exact={name: grid(f"{name}_exact") for name in measured},
+            fields={name: fields[name] for name in measured},
+            exact={name: exact[name] for name in measured},
             units={name: units[name] for name in measured},
         )
     return profiles

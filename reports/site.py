@@ -3,7 +3,6 @@
 import dataclasses
 import importlib.util
 import re
-from collections.abc import Sequence
 from functools import cache, partial
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from markupsafe import Markup, escape
 
 import mpmverify
 from mpmverify.atomic import write_atomic
-from mpmverify.dataset.files import Results, check_ours
+from mpmverify.dataset.files import Results, check_ours, set_aside
 from mpmverify.dataset.selftest import read_selftest
 from mpmverify.errors import ResultsError
 
@@ -26,23 +25,27 @@ from .trust_page import trust_page
 
 GENERATOR = f"mpmverify {mpmverify.__version__}"
 SIGNATURE = b'<meta name="generator" content="mpmverify '
+BEGINNING = b'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n' + SIGNATURE
+END = b"</html>\n"
+"""How every page begins, and how it ends unless it is cut off."""
 TEMPLATES = {IndexPage: "index.html", StudyPage: "study.html", TrustPage: "trust.html"}
 PLOTLY = "plotly.min.js"
 ORIGIN = {"Written": "date_created", "Commit": "commit", "Tier": "tier", "Versions": "versions", "Platform": "platform"}
 """Attributes of the self-test file that the trust page shows, by label."""
 
 
-def write(results: Results, manifest: Manifest, stale: Sequence[str]) -> None:
-    """Write the stale pages, the index page and the assets.
+def write(results: Results, manifest: Manifest, known: Manifest) -> None:
+    """Write the pages that are stale beside the `known` report, the index page and the assets.
 
     Raises
     ------
     ResultsError
         If a study file is damaged, plotly is missing, or a file that is no page of a report has the path of a page.
     """
+    stale = manifest.stale(known, results)
     for name in (*stale, "index"):
-        _check_ours(page(results, name))
-    runs = {path.stem for path in (results.path / "runs").glob("*.nc")}
+        _make_way(page(results, name))
+    runs = {path.stem for path in results.runs.glob("*.nc")}
     records = [read(results.study(name)) for name in sorted(manifest.studies)]
     _write_assets(results.report / "assets")
     for record in records:
@@ -87,12 +90,14 @@ def cited(text: str) -> Markup:
     return Markup(re.sub(r"doi:(10\.\d+/[^\s,;]*[^\s,;.)])", r'<a href="https://doi.org/\1">doi:\1</a>', str(escape(text))))
 
 
-def _check_ours(path: Path) -> None:
-    try:
-        foreign = path.exists() and SIGNATURE not in path.read_bytes()[:2000]
-    except OSError:
-        foreign = True
-    if foreign:
+def _make_way(path: Path) -> None:
+    """Check that a file is a page and may be written; one that is cut off, emptied or filled with zeros is set aside."""
+    if not path.exists():
+        return
+    content = path.read_bytes() if path.is_file() else b"a folder"
+    if not content.strip(b"\0") or BEGINNING.startswith(content) or (SIGNATURE in content[:2000] and not content.endswith(END)):
+        set_aside(path)
+    elif SIGNATURE not in content[:2000]:
         raise ResultsError(f"'{path}' is not a page of an mpmverify report: move it away or choose another folder with --out")
 
 

@@ -77,7 +77,10 @@ def contents(path):
 
 @pytest.mark.parametrize(
     "command",
-    [[], ["run"], ["gate"], ["report"], ["list"], ["judge"], ["gci"], ["compare"], ["baseline"], ["baseline", "accept"]],
+    [
+        *([], ["run"], ["gate"], ["report"], ["list"], ["judge"], ["gci"], ["compare"], ["baseline"], ["baseline", "accept"]),
+        ["clean"],
+    ],
 )
 def test_every_command_has_help(command):
     result = call(*command, "--help")
@@ -180,24 +183,75 @@ def corrupt_baseline(out):
     return path
 
 
+def foreign_run(out):
+    path = sorted((out / "runs").iterdir())[0]
+    path.unlink()
+    xr.Dataset({"a": ("x", [1.0])}).to_netcdf(path)
+    (out / "scripted.nc").unlink()
+    return path
+
+
 @pytest.mark.parametrize(
     ("damage", "commands"),
     [
-        (corrupt_run, ["run"]),
-        (corrupt_study, ["run", "gate", "baseline accept"]),
+        (foreign_run, ["run"]),
+        (corrupt_study, ["gate", "baseline accept", "clean"]),
         (foreign_study, ["run", "gate", "baseline accept"]),
         (corrupt_verdicts, ["run"]),
         (corrupt_baseline, ["run", "gate", "baseline accept"]),
     ],
 )
-def test_a_damaged_file_is_named_and_not_changed(out, tmp_path, damage, commands):
+def test_a_foreign_or_damaged_file_is_named_and_not_changed(out, tmp_path, damage, commands):
     path = damage(out)
     before = path.read_bytes()
     for command in commands:
         reason = ["--reason", "why not"] if command == "baseline accept" else []
-        result = call(*command.split(), "scripted", "--out", out, "--baseline", tmp_path / "baseline.json", *reason)
+        where = [] if command == "clean" else ["scripted", "--baseline", tmp_path / "baseline.json"]
+        result = call(*command.split(), *where, "--out", out, *reason)
         assert_one_sentence(result, str(path))
         assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("damage", [corrupt_run, corrupt_study])
+def test_a_run_sets_a_damaged_file_aside_and_makes_it_anew(out, tmp_path, damage, caplog):
+    path = damage(out)
+    bad = path.read_bytes()
+    result = call("run", "scripted", "--out", out, "--baseline", tmp_path / "baseline.json")
+    assert result.exit_code == 0
+    assert f"{1 if damage is corrupt_run else 0} runs solved" in result.output
+    assert caplog.messages == [f"'{path}' is damaged: it is set aside as '{path.name}.damaged'."]
+    assert path.with_name(f"{path.name}.damaged").read_bytes() == bad
+    assert call("gate", "--out", out, "--baseline", tmp_path / "baseline.json").exit_code == 0
+
+
+def test_clean_removes_the_runs_that_no_study_refers_to(out, tmp_path):
+    where = ("--out", out)
+    assert call("clean", *where).output == "Removed 0 files that no study refers to, 0.0 MB.\n"
+    referred = set((out / "runs").iterdir())
+    assert call("run", "slow", *where, "--solver", "scripted-good", "--baseline", tmp_path / "baseline.json").exit_code == 1
+    (out / "slow.nc").unlink()
+    orphans = set((out / "runs").iterdir()) - referred
+    first = min(orphans)
+    first.write_bytes(first.read_bytes()[:3000])
+    halves = {out / "runs" / f".{'0' * 24}-{'f' * 16}.nc", out / ".verdicts-0123456789abcdef.json"}
+    aside = {out / "runs" / f"{'0' * 24}.nc.damaged-2"}
+    foreign = {out / "runs" / f"{'a' * 24}.nc", out / "runs" / "notes.nc", out / "runs" / f"{'b' * 24}.nc", out / ".hidden.nc"}
+    for path in halves | aside | foreign:
+        path.write_text("mine")
+    (out / "runs" / f"{'b' * 24}.nc").unlink()
+    xr.Dataset({"a": ("x", [1.0])}).to_netcdf(out / "runs" / f"{'b' * 24}.nc")
+    doomed = orphans | halves | aside
+    size = sum(path.stat().st_size for path in doomed)
+    before = contents(out)
+    listed = call("clean", *where, "--dry-run").output.splitlines()
+    assert contents(out) == before
+    assert [line.split("bytes  ")[1] for line in listed[:-1]] == sorted(map(str, doomed))
+    assert listed[-1] == f"{len(doomed)} files that no study refers to, {size / 1e6:.1f} MB."
+    assert call("clean", *where).output == f"Removed {listed[-1]}\n"
+    assert {out / path for path in contents(out)} == {out / path for path in before} - doomed
+    assert (
+        "0 runs solved, 3 already at hand." in call("run", "scripted", *where, "--baseline", tmp_path / "baseline.json").output
+    )
 
 
 def assert_one_sentence(result, *parts):

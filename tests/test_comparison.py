@@ -415,7 +415,7 @@ def renamed(path):
 @pytest.mark.parametrize(
     ("damage", "part"),
     [
-        (cut, "is not a readable netCDF file"),
+        (cut, "is damaged: run `mpmverify run` again"),
         (foreign, "is not an mpmverify study file"),
         (older, "has schema 2 and this version reads"),
         (unjudged, "is damaged"),

@@ -1,11 +1,14 @@
 """Content keys: equal values have equal keys in every process; a change of a value, its code or a library changes the key."""
 
+import ast
 import dataclasses
 import functools
+import inspect
 import math
 import os
 import subprocess
 import sys
+import textwrap
 import types
 from enum import Enum
 from importlib.machinery import EXTENSION_SUFFIXES
@@ -17,6 +20,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mpmverify.criteria import CRITERIA, Balance, Exact, FrontPosition, Order
+from mpmverify.criteria.criterion import JUDGED
+from mpmverify.criteria.errors import ErrorCriterion
 from mpmverify.dataset.provenance import NUMERICAL_LIBRARIES
 from mpmverify.errors import UsageError
 from mpmverify.exact.advection import Gaussian, PeriodicImages, advection
@@ -87,6 +93,41 @@ def test_solver_and_discretisation_change_the_key():
 
 def test_text_for_the_report_does_not_change_the_key():
     assert run_key(dataclasses.replace(PROBLEM, exposes="something else"), TaylorGalerkin(), LEVEL) == KEY
+
+
+def test_the_exact_solution_changes_the_key():
+    """The stored errors are those against it."""
+    other = advection(Gaussian(width=0.3)).exact
+    assert run_key(dataclasses.replace(PROBLEM, exact=other), TaylorGalerkin(), LEVEL) != KEY
+
+
+def test_what_a_criterion_measures_changes_the_key_and_what_it_accepts_does_not():
+    def key(*criteria):
+        return run_key(PROBLEM, TaylorGalerkin(), LEVEL, criteria)
+
+    mass, wave = Balance("mass", "inflow", "s"), FrontPosition("u", "tg-lumped", 1.0, "s")
+    assert key(Order("u", "L2", 1.9, 2.1, "s"), Exact("u", "L1", 1e-12, "s")) == KEY, "norms are always stored"
+    assert len({KEY, key(mass), key(Balance("mass", "", "s")), key(wave), key(mass, wave)}) == 5
+    assert key(mass, wave) == key(wave, mass, mass)
+    assert key(mass) == key(Balance("mass", "inflow", "another source", 1e-9))
+    assert key(wave) == key(dataclasses.replace(wave, cells=2.0))
+
+
+@pytest.mark.parametrize("kind", [kind for kind in CRITERIA.values() if not issubclass(kind, ErrorCriterion)])
+def test_measuring_reads_no_field_that_is_not_in_the_key(kind):
+    pending, read = ["measure"], set()
+    while pending:
+        member = inspect.getattr_static(kind, pending.pop(), None)
+        function = member.fget if isinstance(member, property) else member
+        if not inspect.isfunction(function):
+            continue
+        nodes = list(ast.walk(ast.parse(textwrap.dedent(inspect.getsource(function)))))
+        found = {node.attr for node in nodes if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "self"}
+        uses = sum(isinstance(node, ast.Name) and node.id == "self" for node in nodes)
+        assert uses == sum(isinstance(node, ast.Attribute) and ast.unparse(node.value) == "self" for node in nodes)
+        pending += sorted(found - read)
+        read |= found
+    assert read.isdisjoint(JUDGED)
 
 
 def test_the_order_of_a_mapping_does_not_change_the_key():
@@ -175,6 +216,25 @@ def test_a_class_without_source_is_refused():
     exec("import dataclasses\n@dataclasses.dataclass(frozen=True)\nclass Made:\n    x: int = 1", module.__dict__)
     with pytest.raises(UsageError, match="the source of module 'typed_at_a_prompt' cannot be found"):
         digest(module.Made())
+
+
+def test_a_path_is_keyed_by_the_name_and_the_bytes_of_its_file(tmp_path):
+    program = tmp_path / "wave"
+    program.write_bytes(b"built")
+    key = digest({"program": program})
+    program.write_bytes(b"other")
+    os.utime(program, ns=(1, 1))
+    rebuilt = digest({"program": program})
+    program.write_bytes(b"built")
+    moved = tmp_path / "elsewhere" / "wave"
+    moved.parent.mkdir()
+    program.rename(moved)
+    assert rebuilt != key
+    assert digest({"program": moved}) == key
+    assert digest({"program": moved.rename(tmp_path / "another")}) != key
+    for missing, reason in ((program, "No such file or directory"), (tmp_path, "Is a directory")):
+        with pytest.raises(UsageError, match=rf"^runs that depend on '{missing}' have no key \({reason}\): build this file"):
+            digest({"program": missing})
 
 
 def test_a_function_is_keyed_by_its_name_and_module():

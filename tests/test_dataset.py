@@ -35,11 +35,11 @@ from mpmverify.dataset.criteria import read_criteria, with_criteria
 from mpmverify.dataset.files import Results, check_ours
 from mpmverify.dataset.fits import read_orders
 from mpmverify.dataset.levels import read_levels
-from mpmverify.dataset.runs import read_run, write_run
+from mpmverify.dataset.runs import Run, read_run, write_run
 from mpmverify.dataset.statement import statement
 from mpmverify.dataset.study import read_study, read_tree, solvers, stored_findings, write_study
 from mpmverify.dataset.tree import write_tree
-from mpmverify.errors import ResultsError, UsageError
+from mpmverify.errors import DamagedError, ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
 from mpmverify.execution.gate import accept, gate, judged
 from mpmverify.execution.runner import run
@@ -72,6 +72,10 @@ def solution(**changes):
     return dataclasses.replace(made, **changes)
 
 
+def run_of(made, **measured):
+    return Run(made, **{"errors": {}, "metrics": {}, "shown": True} | measured)
+
+
 def bits(arrays):
     return {name: (values.shape, values.tobytes()) for name, values in arrays.items()}
 
@@ -86,8 +90,13 @@ def test_a_run_is_read_back_bit_for_bit(tmp_path, cells):
     made = dataclasses.replace(
         made, dt=1 / 3, work=Work(2**40, 2**50, 0.1 + 0.2), outcome=Outcome(Status.NON_FINITE, "at step 3, é", "take ß")
     )
-    write_run(tmp_path / "k.nc", "k", made, "title")
-    back = read_run(tmp_path / "k.nc", "k")
+    errors, metrics = {"u": (EXTREME[:4], EXTREME[4:])}, {f"m{k}": float(value) for k, value in enumerate(EXTREME)}
+    write_run(tmp_path / "k.nc", "k", run_of(made, errors=errors, metrics=metrics), "title")
+    read = read_run(tmp_path / "k.nc", "k")
+    assert bits(dict(enumerate(read.errors["u"]))) == bits(dict(enumerate(errors["u"])))
+    assert list(read.metrics) == list(metrics)
+    np.testing.assert_array_equal(list(read.metrics.values()), list(metrics.values()))
+    back = read.solution
     assert bits(back.arrays()) == bits(made.arrays())
     assert (back.dt, back.work, back.outcome) == (made.dt, made.work, made.outcome)
     assert list(back.fields) == list(made.fields)
@@ -96,21 +105,60 @@ def test_a_run_is_read_back_bit_for_bit(tmp_path, cells):
 
 def test_a_run_without_detail_or_fields_is_read_back(tmp_path):
     made = solution(fields={}, outcome=Outcome(Status.UNSTABLE))
-    write_run(tmp_path / "k.nc", "k", made, "title")
-    back = read_run(tmp_path / "k.nc", "k")
+    write_run(tmp_path / "k.nc", "k", run_of(made), "title")
+    back = read_run(tmp_path / "k.nc", "k").solution
     assert back.fields == {}
     assert back.outcome == made.outcome
 
 
+def test_a_run_without_histories_is_read_back(tmp_path):
+    made = solution().excerpt(np.array([-1]), None)
+    write_run(tmp_path / "k.nc", "k", run_of(made, shown=False), "title")
+    back = read_run(tmp_path / "k.nc", "k")
+    assert bits(back.solution.arrays()) == bits(made.arrays())
+    assert not back.shown
+
+
+@pytest.mark.parametrize("moved", [0.0, 1e-20, 0.1])
+def test_a_position_that_follows_from_the_displacement_is_not_stored(tmp_path, moved):
+    still = solution()
+    displacement = np.full_like(still.position, 1 / 3)
+    for k, (fields, derived) in enumerate(
+        (({"displacement": displacement}, still.reference + displacement), ({}, still.position))
+    ):
+        made = solution(fields=fields, position=derived + moved)
+        write_run(tmp_path / f"{k}.nc", "k", run_of(made), "title")
+        assert bits(read_run(tmp_path / f"{k}.nc", "k").solution.arrays()) == bits(made.arrays())
+        with netCDF4.Dataset(tmp_path / f"{k}.nc") as file:
+            assert ("position" in file.variables) == (moved == 0.1)
+
+
+def test_a_changed_number_is_damage(tmp_path):
+    """In fields, in the time step and in what was measured: the checksum is over all of them."""
+
+    def changed(change):
+        write_run(tmp_path / "k.nc", "k", run_of(solution(), errors={"u": (np.ones(4), np.ones(4))}), "title")
+        with netCDF4.Dataset(tmp_path / "k.nc", "a") as file:
+            change(file)
+        with pytest.raises(DamagedError, match=r"k\.nc' is damaged: run `mpmverify run` again"):
+            read_run(tmp_path / "k.nc", "k")
+
+    changed(lambda file: file["u"].__setitem__((0, 0, 0), 7.0))
+    changed(lambda file: file.setncattr("dt", 0.5))
+    changed(lambda file: file.setncattr("errors", file.errors.replace("1.0", "0.5")))
+    changed(lambda file: file.setncattr("status", "completed?"))
+    changed(lambda file: file.setncattr("shown", 0))
+
+
 def test_the_mass_history_has_the_unit_of_an_integral_for_a_scalar_and_of_a_mass_for_a_body(tmp_path):
     for quantity, units in (("u", "m"), ("displacement", "kg m-2")):
-        write_run(tmp_path / f"{quantity}.nc", "k", solution(fields={quantity: solution().fields["u"]}), "title")
+        write_run(tmp_path / f"{quantity}.nc", "k", run_of(solution(fields={quantity: solution().fields["u"]})), "title")
         with netCDF4.Dataset(tmp_path / f"{quantity}.nc") as file:
             assert file["history_mass"].units == units
 
 
 def test_xarray_opens_a_run_with_units_on_every_variable(tmp_path):
-    write_run(tmp_path / "k.nc", "k", solution(), "title")
+    write_run(tmp_path / "k.nc", "k", run_of(solution()), "title")
     with xr.open_dataset(tmp_path / "k.nc") as dataset:
         assert {name for name, values in dataset.variables.items() if not values.attrs.get("units")} == set()
         assert {name for name, values in dataset.variables.items() if not values.attrs.get("long_name")} == set()
@@ -119,17 +167,17 @@ def test_xarray_opens_a_run_with_units_on_every_variable(tmp_path):
 
 
 def test_a_run_of_another_key_is_refused(tmp_path):
-    write_run(tmp_path / "k.nc", "k", solution(), "title")
-    with pytest.raises(ResultsError, match=r"k\.nc' contains another run, k: delete it"):
+    write_run(tmp_path / "k.nc", "k", run_of(solution()), "title")
+    with pytest.raises(DamagedError, match=r"k\.nc' is damaged"):
         read_run(tmp_path / "k.nc", "another")
 
 
 def test_a_run_whose_variables_are_missing_is_damaged(tmp_path):
     path = tmp_path / "k.nc"
-    write_run(path, "k", solution(), "title")
+    write_run(path, "k", run_of(solution()), "title")
     with netCDF4.Dataset(path, "a") as file:
         file.renameVariable("weight", "wait")
-    with pytest.raises(ResultsError, match=re.escape(f"'{path}' is damaged: delete it")):
+    with pytest.raises(DamagedError, match=re.escape(f"'{path}' is damaged: run `mpmverify run` again")):
         read_run(path, "k")
 
 
@@ -148,10 +196,10 @@ def test_a_writer_that_fails_leaves_nothing(tmp_path):
 
 def test_a_writer_that_fails_leaves_the_existing_file(tmp_path):
     path = tmp_path / "k.nc"
-    write_run(path, "k", solution(), "title")
+    write_run(path, "k", run_of(solution()), "title")
     before = path.read_bytes()
     with pytest.raises(KeyError):
-        write_run(path, "k", solution(histories={"mass": np.ones(3)}), "title")
+        write_run(path, "k", run_of(solution(histories={"mass": np.ones(3)})), "title")
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
 
@@ -187,7 +235,7 @@ def test_the_temporary_file_of_a_killed_writer_is_not_listed_as_a_study(tmp_path
 
 def test_a_result_has_the_permissions_of_other_files(tmp_path):
     (tmp_path / "other").write_text("")
-    write_run(tmp_path / "k.nc", "k", solution(), "title")
+    write_run(tmp_path / "k.nc", "k", run_of(solution()), "title")
     assert stat.S_IMODE((tmp_path / "k.nc").stat().st_mode) == stat.S_IMODE((tmp_path / "other").stat().st_mode)
 
 
@@ -200,7 +248,7 @@ def test_a_full_disk_raises_an_error_that_names_the_file(tmp_path):
     if not child:
         resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
         try:
-            write_run(path, "k", large, "title")
+            write_run(path, "k", run_of(large), "title")
         except BaseException as error:
             said.write_text(f"{type(error).__name__}: {error}")
         os._exit(0)
@@ -216,19 +264,14 @@ def foreign(path):
     xr.Dataset({"a": ("x", [1.0])}, attrs={"title": "somebody's work"}).to_netcdf(path)
 
 
-def truncated(path):
-    write_run(path, "k", solution(), "title")
-    path.write_bytes(path.read_bytes()[:3000])
-
-
 def of_an_unknown_kind(path):
-    write_run(path, "k", solution(), "title")
+    write_run(path, "k", run_of(solution()), "title")
     with netCDF4.Dataset(path, "a") as file:
         file.mpmverify_kind = "neither"
 
 
 def of_another_schema(path):
-    write_run(path, "k", solution(), "title")
+    write_run(path, "k", run_of(solution()), "title")
     with netCDF4.Dataset(path, "a") as file:
         file.mpmverify_kind, file.mpmverify_schema = path.stem, 99
 
@@ -243,10 +286,6 @@ def with_a_text_as_schema(path):
         file.mpmverify_kind, file.mpmverify_schema = path.stem, "latest"
 
 
-def empty(path):
-    path.write_bytes(b"")
-
-
 def a_text(path):
     path.write_text("my notes")
 
@@ -257,12 +296,10 @@ def a_folder(path):
 
 FOREIGN_FILES = [
     foreign,
-    truncated,
     of_an_unknown_kind,
     of_another_schema,
     without_a_schema,
     with_a_text_as_schema,
-    empty,
     a_text,
     a_folder,
 ]
@@ -276,7 +313,7 @@ def test_a_foreign_file_is_named_and_not_changed(tmp_path, make, kind):
     before = path.read_bytes() if path.is_file() else b""
     read = (lambda: read_run(path, "k")) if kind == "run" else (lambda: read_study(path))
     write = (
-        (lambda: write_run(path, "k", solution(), "title"))
+        (lambda: write_run(path, "k", run_of(solution()), "title"))
         if kind == "run"
         else (lambda: write_study(path, study(), [], {}, judge("scripted", {}, {}), tier="quick", inputs=""))
     )
@@ -286,6 +323,46 @@ def test_a_foreign_file_is_named_and_not_changed(tmp_path, make, kind):
         assert str(path) in str(error.value)
         assert "\n" not in str(error.value)
     assert (path.read_bytes() if path.is_file() else b"") == before
+
+
+def cut_off(path):
+    path.unlink(missing_ok=True)
+    write_run(path, "k", run_of(solution()), "title")
+    path.write_bytes(path.read_bytes()[:3000])
+
+
+def cut_off_at_once(path):
+    path.write_bytes(b"\x89HD")
+
+
+def empty(path):
+    path.write_bytes(b"")
+
+
+def of_zeros(path):
+    path.write_bytes(bytes(5000))
+
+
+@pytest.mark.parametrize("kind", ["run", "study"])
+@pytest.mark.parametrize("make", [cut_off, cut_off_at_once, empty, of_zeros])
+def test_a_damaged_file_is_named_and_set_aside_when_it_is_written_anew(tmp_path, caplog, make, kind):
+    path = tmp_path / f"{kind}.nc"
+    read = (lambda: read_run(path, "k")) if kind == "run" else (lambda: read_study(path))
+    write = (
+        (lambda: write_run(path, "k", run_of(solution()), "title"))
+        if kind == "run"
+        else (lambda: write_study(path, study(), [], {}, judge("scripted", {}, {}), tier="quick", inputs=""))
+    )
+    for aside in (tmp_path / f"{kind}.nc.damaged", tmp_path / f"{kind}.nc.damaged-2"):
+        make(path)
+        before = path.read_bytes()
+        with pytest.raises(DamagedError, match=re.escape(f"'{path}' is damaged: run `mpmverify run` again")):
+            read()
+        assert path.read_bytes() == before
+        write()
+        assert aside.read_bytes() == before
+        assert caplog.messages[-1] == f"'{path}' is damaged: it is set aside as '{aside.name}'."
+        check_ours(path, kind)
 
 
 @pytest.mark.parametrize("kind", ["run", "study"])
@@ -428,7 +505,7 @@ def test_snapshots_hold_the_profiles_of_the_runs(stored):
         ends = np.cumsum(shots["row_size"].values)
         for end, size, h, t in zip(ends, shots["row_size"].values, shots["h"].values, shots["time"].values, strict=True):
             row = shots.to_dataset().isel(obs=slice(end - size, end))
-            np.testing.assert_allclose(row["u"] - row["u_exact"], h**2, rtol=1e-9)
+            np.testing.assert_allclose(row["u_error"], h**2, rtol=1e-6)
             assert np.all(np.diff(row["reference"]) > 0)
             assert 0 <= t <= MIXED.cases[0].problem.problem.end_time
 
@@ -632,7 +709,9 @@ def test_a_study_that_cannot_be_parsed_is_named_by_gate_and_accept(tmp_path, dam
     damage(tree)
     write_tree(path, tree)
     for read in (lambda: gate(path, Baseline(path)), lambda: accept(Baseline(path), [path], "why not")):
-        with pytest.raises(ResultsError, match=rf"^'{path}' is damaged: delete it and run `mpmverify run` again$"):
+        with pytest.raises(
+            ResultsError, match=rf"^'{path}' is damaged: run `mpmverify run` again, which sets it aside and makes it anew$"
+        ):
             read()
 
 

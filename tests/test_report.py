@@ -26,7 +26,7 @@ from mpmverify.dataset.selftest import write_selftest
 from mpmverify.dataset.snapshots import Snapshots
 from mpmverify.dataset.study import write_study
 from mpmverify.dataset.tables import read_tables
-from mpmverify.errors import ResultsError
+from mpmverify.errors import DamagedError, ResultsError
 from mpmverify.exact import ExactSolution, VerificationProblem
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.judging import judge
@@ -88,10 +88,7 @@ def shot(case: str, solver: str, label: str) -> Snapshots:
     fields = exact + (1e-9 if solver == "good" else np.where(time[:, None] > 0.5, np.nan, 0.1))
     histories = {"time": time, "mass": 1 + 1e-16 * time, "momentum": time, "impulse": time}
     histories |= {"kinetic_energy": 1 - time, "strain_energy": time, "external_work": 0 * time}
-    place = np.broadcast_to(points[:, None], (40, 300, 1))
-    return Snapshots(
-        case, label, 1 / 64, time, points[:, None], place, {"u": fields[..., None]}, {"u": exact[..., None]}, histories
-    )
+    return Snapshots(case, label, 1 / 64, time, points[:, None], {"u": fields[..., None]}, {"u": exact[..., None]}, histories)
 
 
 EVIDENCE = Evidence(
@@ -535,6 +532,51 @@ def test_a_damaged_manifest_is_replaced(fresh: Results) -> None:
     manifest.write_text('{"code": []')
     render(fresh)
     assert json.loads(manifest.read_text())["studies"].keys() == {"sample"}
+
+
+CUTS = {"cut off": -100, "cut off early": 40, "empty": 0}
+
+
+@pytest.mark.parametrize("name", ["sample.html", "index.html"])
+@pytest.mark.parametrize("cut", CUTS.values(), ids=CUTS)
+@pytest.mark.parametrize("manifest", [True, False], ids=["known", "forgotten"])
+def test_a_damaged_page_is_set_aside_named_and_rendered_again(
+    fresh: Results, caplog: pytest.LogCaptureFixture, name: str, cut: int, manifest: bool
+) -> None:
+    page = render(fresh).with_name(name)
+    sound = page.read_bytes()
+    page.write_bytes(sound[:cut])
+    if not manifest:
+        (fresh.report / "manifest.json").unlink()
+    render(fresh)
+    assert page.read_bytes() == sound
+    assert page.with_name(f"{name}.damaged").read_bytes() == sound[:cut]
+    assert caplog.messages == [f"'{page}' is damaged: it is set aside as '{name}.damaged'."]
+
+
+def test_a_damaged_asset_is_written_again(fresh: Results) -> None:
+    asset = render(fresh).parent / "assets" / "plotly.min.js"
+    sound = asset.read_bytes()
+    asset.write_bytes(sound[:1000])
+    render(fresh)
+    assert asset.read_bytes() == sound
+
+
+def test_a_damaged_self_test_is_set_aside_and_its_page_removed(fresh: Results) -> None:
+    write_selftest(fresh.selftest, SELF_TEST)
+    render(fresh)
+    fresh.selftest.write_bytes(fresh.selftest.read_bytes()[:5000])
+    render(fresh)
+    assert not (fresh.report / "trust.html").exists()
+    assert fresh.selftest.with_name("selftest.nc.damaged").stat().st_size == 5000
+
+
+def test_a_damaged_study_is_named_and_not_changed(fresh: Results) -> None:
+    path = fresh.study("sample")
+    path.write_bytes(path.read_bytes()[:5000])
+    with pytest.raises(DamagedError, match=re.escape(f"'{path}' is damaged: run `mpmverify run` again")):
+        render(fresh)
+    assert path.stat().st_size == 5000
 
 
 @given(st.floats(min_value=1e-30, max_value=1e30), st.booleans())

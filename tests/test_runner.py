@@ -2,8 +2,11 @@
 
 import dataclasses
 import json
+import os
+import signal
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 from faulty_solvers import BEHAVIOURS, SECOND_ORDER, Scripted, ladder, plan, study
@@ -11,11 +14,12 @@ from faulty_solvers import BEHAVIOURS, SECOND_ORDER, Scripted, ladder, plan, stu
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Amplification, Balance, Order
 from mpmverify.dataset.files import Results
+from mpmverify.dataset.leftovers import leftovers
 from mpmverify.dataset.study import read_tree, stored_findings
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
 from mpmverify.execution import evaluation
-from mpmverify.execution.gate import accept
+from mpmverify.execution.gate import accept, gate
 from mpmverify.execution.runner import read_verdicts, run, tasks_of
 from mpmverify.judgement.baseline import read_baseline
 from mpmverify.problem import Discretisation
@@ -291,16 +295,70 @@ def test_a_usage_error_is_raised_and_finished_runs_are_kept(tmp_path, monkeypatc
 # Damaged and foreign files.
 
 
-def test_a_corrupt_run_is_named_and_not_changed(tmp_path):
+def wrong_number(path):
+    with netCDF4.Dataset(path, "a") as file:
+        file.setncattr("errors", file.errors.replace("0.", "1.", 1))
+
+
+DAMAGES = {
+    "cut-off": lambda path: path.write_bytes(path.read_bytes()[:2000]),
+    "cut-off-at-the-end": lambda path: path.write_bytes(path.read_bytes()[:-3]),
+    "empty": lambda path: path.write_bytes(b""),
+    "zeros": lambda path: path.write_bytes(bytes(path.stat().st_size)),
+}
+
+
+@pytest.mark.parametrize("damage", [*DAMAGES.values(), wrong_number], ids=[*DAMAGES, "wrong-number"])
+def test_a_damaged_run_is_set_aside_named_and_solved_again(tmp_path, caplog, damage):
     declared = study()
-    judged_once(declared, tmp_path)
+    first = judged_once(declared, tmp_path)
     path = Results(tmp_path).run(tasks_of(declared, plan(tmp_path))[1].key)
-    path.write_bytes(path.read_bytes()[:2000])
+    damage(path)
+    bad = path.read_bytes()
     (tmp_path / "scripted.nc").unlink()
+    entry = judged_once(declared, tmp_path)
+    assert (entry.solved, entry.reused, entry.findings) == (1, LEVELS - 1, first.findings)
+    assert path.with_name(f"{path.name}.damaged").read_bytes() == bad
+    assert caplog.messages == [f"'{path}' is damaged: it is set aside as '{path.name}.damaged'."]
+    evaluation.read_run(path, path.stem)
+
+
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
+@pytest.mark.parametrize("name", ["scripted.nc", "verdicts.json"])
+def test_a_damaged_study_or_list_of_verdicts_is_set_aside_named_and_written_again(tmp_path, caplog, damage, name):
+    first, path = judged_once(study(), tmp_path), tmp_path / name
+    sound = path.read_bytes()
+    damage(path)
+    bad = path.read_bytes()
+    entry = judged_once(study(), tmp_path)
+    assert (entry.solved, entry.reused, entry.findings) == (0, LEVELS, first.findings)
+    if bad != sound:  # a list of verdicts may be shorter than where it is cut off
+        assert path.with_name(f"{name}.damaged").read_bytes() == bad
+        assert caplog.messages == [f"'{path}' is damaged: it is set aside as '{name}.damaged'."]
+    assert gate(tmp_path / "scripted.nc", plan(tmp_path).baseline) == first.findings
+    assert read_verdicts(Results(tmp_path))["scripted"].findings == first.findings
+
+
+def test_a_foreign_run_file_is_named_and_not_changed(tmp_path):
+    declared = study()
+    path = Results(tmp_path).run(tasks_of(declared, plan(tmp_path))[1].key)
+    path.parent.mkdir()
+    path.write_text("notes")
     for reuse in (True, False):
         with pytest.raises(ResultsError, match=path.name):
             judged_once(declared, tmp_path, reuse=reuse)
-        assert path.stat().st_size == 2000
+        assert path.read_text() == "notes"
+
+
+def test_a_run_that_is_to_be_shown_and_of_which_too_little_was_kept_is_solved_again(tmp_path):
+    declared = study()
+    judged_once(declared, tmp_path)
+    case, series = next(declared.series())
+    coarse = Refinement(series.refinement.label, series.refinement.levels[:2], 2)
+    changed = dataclasses.replace(case, series=(dataclasses.replace(series, refinement=coarse, criteria=series.criteria),))
+    entry = judged_once(dataclasses.replace(declared, cases=(changed,)), tmp_path)
+    assert (entry.solved, entry.reused) == (1, 1)
+    assert judged_once(dataclasses.replace(declared, title="t"), tmp_path).solved == 0, "more was kept than is needed"
 
 
 def test_a_foreign_study_file_is_named_before_anything_is_solved(tmp_path, journal):
@@ -314,7 +372,6 @@ def test_a_foreign_study_file_is_named_before_anything_is_solved(tmp_path, journ
 @pytest.mark.parametrize(
     "text",
     [
-        "",
         "notes",
         "[]",
         "{}",
@@ -380,7 +437,7 @@ def test_the_keys_of_runs_are_distinct(tmp_path):
     tasks = tasks_of(study(Scripted(), Scripted("unstable")), plan(tmp_path))
     assert len({task.key for task in tasks}) == len(tasks)
     assert {len(task.key) for task in tasks} == {24}
-    assert tasks[0].key == evaluation.run_key(tasks[0].problem, tasks[0].solver, tasks[0].discretisation)
+    assert tasks[0].key == evaluation.run_key(tasks[0].problem, tasks[0].solver, tasks[0].discretisation, tasks[0].criteria)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -473,7 +530,7 @@ def test_one_and_two_processes_give_the_same_study(tmp_path):
     assert differing <= {"date_created", "history"}
     for path in (tmp_path / "0" / "runs").iterdir():
         key = path.stem
-        mine, theirs = (evaluation.read_run(Results(tmp_path / str(jobs)).run(key), key) for jobs in (0, 2))
+        mine, theirs = (evaluation.read_run(Results(tmp_path / str(jobs)).run(key), key).solution for jobs in (0, 2))
         for name, values in mine.arrays().items():
             np.testing.assert_array_equal(values, theirs.arrays()[name])
 
@@ -505,3 +562,36 @@ def test_a_criterion_that_the_file_would_not_give_back_is_refused_before_anythin
     with pytest.raises(UsageError, match=f"the criterion '{kind.__name__}' of scripted/hill .* cannot be stored"):
         list(run([declared], plan(tmp_path / "results")))
     assert not (tmp_path / "results").exists()
+
+
+# Killed processes.
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs processes that share the scripted solvers")
+@pytest.mark.parametrize("renamed", [False, True], ids=["before", "after"])
+@pytest.mark.parametrize("file", range(1, LEVELS + 3))
+def test_a_killed_run_loses_nothing_that_was_finished(tmp_path, file, renamed):
+    """The process is killed when it renames one of its files: those of the runs, of the study, of the verdicts."""
+    rename, calls = Path.replace, []
+
+    def killing(temporary, target):
+        calls.append(target)
+        if len(calls) < file or renamed:
+            rename(temporary, target)
+        if len(calls) == file:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    child = os.fork()
+    if not child:
+        Path.replace = killing
+        judged_once(study(), tmp_path)
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == signal.SIGKILL
+    finished = files(tmp_path / "runs")
+    whole = {name: content for name, content in finished.items() if not name.startswith(".")}
+    assert len(whole) == min(LEVELS, file if renamed else file - 1)
+    entry = judged_once(study(), tmp_path)
+    assert (entry.solved, entry.reused) == (LEVELS - len(whole), len(whole))
+    assert whole.items() <= files(tmp_path / "runs").items()
+    assert entry.findings == judged_once(study(), tmp_path / "undisturbed").findings
+    assert set(leftovers(Results(tmp_path))) == {path for path in tmp_path.rglob(".*") if path.is_file()}, "the half of a file"

@@ -1,8 +1,8 @@
 """Protocol of a criterion: it measures quantities on each solution and judges the evidence of a series."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Protocol
 
 from mpmverify.convergence.verdict import Judgement
 from mpmverify.criteria.evidence import Evidence
@@ -36,6 +36,17 @@ class Criterion(Protocol):
 
     def judge(self, evidence: Evidence) -> Judgement:
         """Return the verdict on the runs of a series, with the reason in one sentence."""
+
+
+JUDGED = frozenset({"source", "low", "high", "bound", "limit", "cells", "slack", "tolerance"})
+"""Fields of criteria that `judge` reads and `measure` does not: a measured run can be judged by others."""
+
+
+def measurement(criterion: Criterion) -> dict[str, Any]:
+    """Return what the numbers that a criterion measures depend on: its fields by name, except those that are only `JUDGED`."""
+    # Every criterion is a dataclass; a protocol cannot express that.
+    named = (entry.name for entry in fields(criterion))  # type: ignore[arg-type]
+    return {name: getattr(criterion, name) for name in named if name not in JUDGED}
 
 
 class OnOutcomes:

@@ -19,10 +19,9 @@ import xarray as xr
 from mpmverify.atomic import write_atomic
 from mpmverify.convergence.synthetic import Rate
 from mpmverify.dataset import provenance
-from mpmverify.dataset.files import check_ours
+from mpmverify.dataset.files import check_ours, damaged, make_way
 from mpmverify.dataset.study import text
 from mpmverify.dataset.tree import write_tree
-from mpmverify.errors import ResultsError
 from mpmverify.judgement.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
 
 KINDS: dict[str, type[Any]] = {"fault": PlantedFault, "run": UnmodifiedRun, "kind": Rate}
@@ -39,8 +38,7 @@ def write_selftest(path: Path, test: SelfTest) -> None:
     ResultsError
         If `path` exists and is not an mpmverify self-test, or the file cannot be written.
     """
-    if path.exists():
-        check_ours(path, "selftest")
+    make_way(path, "selftest")
     attributes = provenance.attributes(
         "selftest", "Planted faults", "Verdicts on solvers with one fault each, and on random series of known truth."
     )
@@ -81,7 +79,7 @@ def read_selftest(path: Path) -> SelfTest:
             rates = Rates(*(_rows(Rate, tree[name].to_dataset()) for name in RATES))
             return SelfTest(str(attributes["tier"]), int(attributes["sites"]), faults, runs, rates)
     except (OSError, RuntimeError, ValueError, KeyError) as error:
-        raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify selftest` again") from error
+        raise damaged(path) from error
 
 
 def _rows(kind: Any, dataset: xr.Dataset) -> tuple[Any, ...]:

@@ -1,4 +1,8 @@
-"""Fields and histories of one run of each series, for the report, as contiguous ragged arrays."""
+"""Fields and histories of one run of each series, for the report, as contiguous ragged arrays.
+
+Fields are in single precision: nothing is judged by them. A field is stored as the exact one and its error, so that a small error
+keeps its digits; their sum is the numerical field, which is stored itself only where no exact one is known.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,8 +31,8 @@ class Snapshots:
         Cell size [m].
     time : Array
         Output times (T,) [s].
-    reference, position : Array
-        Sample points, (P, dim) and (T, P, dim) [m].
+    reference : Array
+        Reference positions of the sample points (P, dim) [m].
     fields, exact : mapping of str to Array
         Numerical and exact fields (T, P, components) by quantity.
     histories : mapping of str to Array
@@ -40,7 +44,6 @@ class Snapshots:
     h: float
     time: Array
     reference: Array
-    position: Array
     fields: Mapping[str, Array]
     exact: Mapping[str, Array]
     histories: Mapping[str, Array]
@@ -61,22 +64,25 @@ def _profiles(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
 
     def put(quantity: str, suffix: str, read: Any, long_name: str, attributes: Mapping[str, str]) -> None:
         names = components(quantity, dimension)
-        absent = [np.full((*shot.position.shape[:2], len(names)), np.nan) for shot in shots]
-        columns = [
-            np.asarray(read(shot, blank), dtype=float).reshape(-1, len(names))
-            for shot, blank in zip(shots, absent, strict=True)
-        ]
+        absent = [np.full((*_samples(shot), len(names)), np.nan) for shot in shots]
+        columns = [np.asarray(read(shot, blank)).reshape(-1, len(names)) for shot, blank in zip(shots, absent, strict=True)]
         for name, values in zip(names, np.concatenate(columns).T, strict=True):
             shown = name.replace(quantity, long_name).replace("_", " ")
             variables[name + suffix] = ("obs", values, {**attributes, "long_name": shown})
 
-    put("reference", "", lambda s, _: np.broadcast_to(s.reference, s.position.shape), "reference position", {"units": "m"})
-    put("position", "", lambda s, _: s.position, "current position", {"units": "m"})
-    places = " ".join(("time", *components("position", dimension)))
+    place = {"units": "m"}
+    put("reference", "", lambda s, _: np.tile(s.reference, (len(s.time), 1)), "reference position", place)
+    places = " ".join(("time", *components("reference", dimension)))
     for quantity in dict.fromkeys(quantity for shot in shots for quantity in shot.fields):
         attributes = {"units": UNITS[quantity], "coordinates": places}
-        put(quantity, "", lambda s, blank, q=quantity: s.fields.get(q, blank), quantity, attributes)
-        put(quantity, "_exact", lambda s, blank, q=quantity: s.exact.get(q, blank), f"exact {quantity}", attributes)
+        owners = [shot for shot in shots if quantity in shot.fields]
+        if not all(quantity in shot.exact for shot in owners):
+            put(quantity, "", lambda s, blank, q=quantity: _single(s.fields.get(q, blank)), quantity, attributes)
+        if any(quantity in shot.exact for shot in owners):
+            put(
+                quantity, "_exact", lambda s, blank, q=quantity: _single(s.exact.get(q, blank)), f"exact {quantity}", attributes
+            )
+            put(quantity, "_error", lambda s, blank, q=quantity: _error(s, q, blank), f"error of {quantity}", attributes)
     rows = [(shot, t) for shot in shots for t in shot.time]
     return xr.Dataset(
         variables,
@@ -92,6 +98,19 @@ def _profiles(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
             ),
         },
     )
+
+
+def _single(values: Array) -> Array:
+    with np.errstate(over="ignore"):  # of an unstable run
+        return np.asarray(values, dtype=np.float32)
+
+
+def _error(shot: Snapshots, quantity: str, blank: Array) -> Array:
+    return _single(shot.fields.get(quantity, blank) - shot.exact.get(quantity, blank))
+
+
+def _samples(shot: Snapshots) -> tuple[int, int]:
+    return len(shot.time), len(shot.reference)
 
 
 def _histories(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:

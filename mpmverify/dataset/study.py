@@ -26,7 +26,7 @@ from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import Level, SeriesId
 from mpmverify.dataset import provenance
 from mpmverify.dataset.criteria import read_criteria, with_criteria
-from mpmverify.dataset.files import check_ours
+from mpmverify.dataset.files import check_ours, damaged, make_way
 from mpmverify.dataset.findings import lacking_attribute, read_findings, read_lacking, with_findings
 from mpmverify.dataset.fits import with_fits
 from mpmverify.dataset.levels import level_table, read_levels
@@ -74,8 +74,7 @@ def write_study(
     ResultsError
         If `path` is not an mpmverify study, or the file cannot be written.
     """
-    if path.exists():
-        check_ours(path, "study")
+    make_way(path, "study")
     tree = study_tree(study, levels, snapshots, judged, tier=tier, inputs=inputs)
     write_atomic(path, lambda temporary: write_tree(temporary, tree))
 
@@ -201,7 +200,7 @@ def read_tree(path: Path) -> xr.DataTree:
         with xr.open_datatree(path, engine="netcdf4") as tree:
             return tree.load()
     except (OSError, RuntimeError, ValueError) as error:
-        raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
+        raise damaged(path) from error
 
 
 @contextmanager
@@ -212,4 +211,4 @@ def parsing(path: Path) -> Iterator[None]:
     except MpmverifyError:
         raise
     except (LookupError, ValueError, TypeError, AttributeError) as error:
-        raise ResultsError(f"'{path}' is damaged: delete it and run `mpmverify run` again") from error
+        raise damaged(path) from error

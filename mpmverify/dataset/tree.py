@@ -14,6 +14,8 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from mpmverify.dataset.files import compression
+
 
 def write_tree(path: Path, tree: xr.DataTree) -> None:
     """Write a tree, which `xarray.open_datatree` reads back with its coordinates, texts and attributes."""
@@ -50,13 +52,13 @@ def _declare(group: netCDF4.Dataset, dataset: xr.Dataset) -> list[tuple[netCDF4.
 def _variable(group: netCDF4.Dataset, name: str, values: xr.Variable) -> tuple[netCDF4.Variable, np.ndarray]:
     dimensions = [str(dimension) for dimension in values.dims]
     if values.dtype.kind not in "OU":
-        return group.createVariable(name, values.dtype, dimensions), values.values
+        return group.createVariable(name, values.dtype, dimensions, compression=compression(values.nbytes)), values.values
     encoded = np.char.encode(values.values.astype(str), "utf-8")
     width = max(1, encoded.dtype.itemsize)
     length = f"string{width}"
     if length not in group.dimensions:
         group.createDimension(length, width)
-    variable = group.createVariable(name, "S1", [*dimensions, length])
+    variable = group.createVariable(name, "S1", [*dimensions, length], compression=compression(encoded.nbytes))
     variable.set_auto_chartostring(False)
     variable.setncattr("_Encoding", "utf-8")
     return variable, np.ascontiguousarray(encoded.astype(f"S{width}")).view("S1").reshape(*values.shape, width)

@@ -1,14 +1,17 @@
 """The file `verdicts.json` with all findings of a results folder."""
 
+import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from mpmverify.atomic import write_atomic
-from mpmverify.dataset.files import Results, check_ours
+from mpmverify.dataset.files import Results, set_aside
 from mpmverify.errors import ResultsError
 from mpmverify.judgement.findings import Finding
+
+BEGINNING = b'{\n "schema": 1,\n "studies": {'
 
 
 @dataclass(frozen=True)
@@ -21,46 +24,43 @@ class StoredVerdicts:
         The findings.
     inputs : str
         Digest of everything that the study's file depends on.
-    stamp : tuple of int
-        Size [bytes] and modification time [ns] of the study's file when the findings were written.
+    checksum : str
+        Digest of the study's file.
     """
 
     findings: tuple[Finding, ...]
     inputs: str
-    stamp: tuple[int, ...]
+    checksum: str
 
     def made_from(self, inputs: str, path: Path) -> bool:
-        """Whether these findings and the study's file at `path` were both made from these inputs.
-
-        Raises
-        ------
-        ResultsError
-            If the file has changed since the findings were written and is not an mpmverify study.
-        """
-        stored = self.inputs if self.stamp == _stamp(path) else check_ours(path, "study").get("inputs", "")
-        return bool(stored == inputs == self.inputs)
+        """Whether these findings and the study's file at `path`, which has not changed since, were both made from these inputs."""
+        return self.inputs == inputs and path.is_file() and self.checksum == _checksum(path)
 
 
 def read_verdicts(results: Results) -> dict[str, StoredVerdicts]:
-    """Return the stored findings by study; empty if there is no file.
+    """Return the stored findings by study; empty if there is no file, or a damaged one, which is set aside.
 
     Raises
     ------
     ResultsError
-        If the file is damaged.
+        If the file was not written by mpmverify.
     """
+    path = results.verdicts
+    if not path.exists():
+        return {}
     try:
-        studies = json.loads(results.verdicts.read_text(encoding="utf-8"))["studies"]
+        content = path.read_bytes()
         return {
             name: StoredVerdicts(
-                tuple(Finding.of(finding) for finding in entry["findings"]), entry["inputs"], tuple(entry.get("stamp", ()))
+                tuple(Finding.of(finding) for finding in entry["findings"]), entry["inputs"], entry.get("checksum", "")
             )
-            for name, entry in studies.items()
+            for name, entry in json.loads(content)["studies"].items()
         }
-    except FileNotFoundError:
-        return {}
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ResultsError(f"'{results.verdicts}' is not a list of mpmverify verdicts: delete it and run again") from error
+        if isinstance(error, OSError) or (content.strip(b"\0") and not BEGINNING.startswith(content[: len(BEGINNING)])):
+            raise ResultsError(f"'{path}' is not a list of mpmverify verdicts: delete it and run again") from error
+    set_aside(path)
+    return {}
 
 
 def write_verdicts(results: Results, study: str, inputs: str, findings: Sequence[Finding]) -> None:
@@ -69,15 +69,15 @@ def write_verdicts(results: Results, study: str, inputs: str, findings: Sequence
     Raises
     ------
     ResultsError
-        If the file is damaged, or cannot be written.
+        If the file was not written by mpmverify, or cannot be written.
     """
     kept = {name: entry for name, entry in read_verdicts(results).items() if results.study(name).exists()}
-    kept[study] = StoredVerdicts(tuple(findings), inputs, _stamp(results.study(study)))
+    kept[study] = StoredVerdicts(tuple(findings), inputs, _checksum(results.study(study)))
     body = {"schema": 1, "studies": {name: asdict(entry) for name, entry in kept.items()}}
     text = json.dumps(body, indent=1, sort_keys=True) + "\n"
     write_atomic(results.verdicts, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
-def _stamp(path: Path) -> tuple[int, int]:
-    status = path.stat()
-    return status.st_size, status.st_mtime_ns
+def _checksum(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,32 +1,32 @@
 """One run: solved or read back from its file, compared with the exact solution, and measured for the criteria."""
 
 import dataclasses
+import json
 import time
 import traceback
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mpmverify.criteria.criterion import Criterion, Setting
+from mpmverify.criteria.criterion import Criterion, Setting, measurement
+from mpmverify.criteria.errors import ErrorCriterion
 from mpmverify.criteria.evidence import Level
 from mpmverify.criteria.norms import errors
-from mpmverify.dataset.files import Results
-from mpmverify.dataset.runs import read_run, write_run
+from mpmverify.dataset.files import SCHEMA, Results, set_aside
+from mpmverify.dataset.runs import Run, read_run, write_run
 from mpmverify.dataset.snapshots import Snapshots
-from mpmverify.errors import MpmverifyError, UsageError
+from mpmverify.errors import DamagedError, MpmverifyError, UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.execution.contract import breach, confirmed, malformed, plain
-from mpmverify.execution.keys import digest, in_library
+from mpmverify.execution.keys import canonical, digest, in_library
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Outcome, Solution, Solver, Status
 
-SNAPSHOT_OUTPUTS = 32
-"""Output intervals of a run that its snapshots keep at most."""
-HISTORY_SAMPLES = 256
-"""Intervals of a run's histories that its snapshots keep at most."""
+SHOWN_OUTPUTS, SHOWN_SAMPLES = 33, 257
+"""Largest numbers of output times and of samples of the histories that are kept of a run that the pages show."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ class Task:
 
     Parameters
     ----------
-    results : Path
-        Results folder.
+    results : Path or None
+        Results folder; None when nothing is stored.
     study : str
     index : int
         Position among the runs of the study.
@@ -54,7 +54,7 @@ class Task:
         Whether a finished run may be read back.
     """
 
-    results: Path
+    results: Path | None
     study: str
     index: int
     case: str
@@ -112,22 +112,32 @@ class Evaluated:
     seconds: float = 0.0
 
 
-def run_key(problem: VerificationProblem, solver: Solver, discretisation: Discretisation) -> str:
-    """Content key of a run: problem, solver, discretisation, their code and the numerical libraries.
+def run_key(
+    problem: VerificationProblem, solver: Solver, discretisation: Discretisation, criteria: Sequence[Criterion] = ()
+) -> str:
+    """Content key of a run: what is solved and what is measured, the code of both and the numerical libraries.
 
     Parameters
     ----------
     problem : VerificationProblem
-        Its exact solution is not in the key: a solver does not see it.
+        Its texts are not in the key.
     solver : Solver
     discretisation : Discretisation
+    criteria : sequence of Criterion
+        What they measure is in the key. What they accept is not: a stored run can be judged anew.
 
     Raises
     ------
     UsageError
         If one of them is not a value; see `digest`.
     """
-    return digest(problem.problem, solver, discretisation)
+    code = {__name__}
+    measured = set()
+    for criterion in criteria:
+        if not isinstance(criterion, ErrorCriterion):
+            code.add(type(criterion).__module__)
+            measured.add(json.dumps([type(criterion).__qualname__, canonical(measurement(criterion), code)]))
+    return digest(SCHEMA, problem.problem, problem.exact, solver, discretisation, sorted(measured), code=code)
 
 
 def failed(task: Task, status: Status, detail: str, seconds: float = 0.0) -> Evaluated:
@@ -143,31 +153,44 @@ def evaluate(task: Task) -> Evaluated:
     UsageError
         If the solver cannot take the problem.
     ResultsError
-        If a run file is damaged or cannot be written.
+        If a run file is foreign or cannot be written.
     """
     started = time.perf_counter()
     return dataclasses.replace(_evaluated(task), seconds=time.perf_counter() - started)
 
 
 def _evaluated(task: Task) -> Evaluated:
-    path = Results(task.results).run(task.key)
-    solved = not (task.reuse and path.exists())
+    path = Results(task.results).run(task.key) if task.results else None
+    run = _stored(path, task) if path and task.reuse else None
+    solved = run is None
     try:
-        if solved:
+        if run is None:
             solution = task.solver.solve(task.problem.problem, task.discretisation)
             if wrong := malformed(solution, task.problem.problem.dimension):
                 return failed(task, Status.CRASHED, wrong)
             solution = dataclasses.replace(solution, outcome=confirmed(solution))
             if wrong := breach(solution, task.problem.problem, task.discretisation):
                 return failed(task, Status.CRASHED, wrong)
-            write_run(path, task.key, solution, str(task))
-        else:
-            solution = read_run(path, task.key)
-        return Evaluated(compare(task, solution), _snapshots(task, solution) if task.shown else None, solved)
+            run = measure(task, solution)
+            if path:
+                write_run(path, task.key, run, str(task))
+        return Evaluated(level_of(task, run), _snapshots(task, run.solution) if task.shown else None, solved)
     except MpmverifyError:
         raise
     except (Exception, SystemExit) as error:  # a solver under test may raise anything; the other runs must still finish
         return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({place(error)})")
+
+
+def _stored(path: Path, task: Task) -> Run | None:
+    """Run that is at hand; None when there is none, one of which too little is kept to show it, or a damaged one, which is set aside."""
+    if not path.exists():
+        return None
+    try:
+        run = read_run(path, task.key)
+    except DamagedError:
+        set_aside(path)
+        return None
+    return run if run.shown or not task.shown else None
 
 
 def place(error: BaseException) -> str:
@@ -183,8 +206,15 @@ def _level(task: Task, outcome: Outcome, **measured: Any) -> Level:
     return Level(*identity, jitter=at.jitter, seed=at.seed, outcome=str(outcome), **measured)
 
 
-def compare(task: Task, solution: Solution) -> Level:
-    """Compare a solution with the exact one, and measure it for the criteria.
+def level_of(task: Task, run: Run) -> Level:
+    """Return what of a run is evidence."""
+    kept = run.solution
+    facts = dataclasses.asdict(kept.work) | {"dt": kept.dt, "errors": run.errors, "metrics": run.metrics}
+    return _level(task, kept.outcome, **facts)
+
+
+def measure(task: Task, solution: Solution) -> Run:
+    """Compare a solution with the exact one, measure it for the criteria, and choose what is kept of it.
 
     Raises
     ------
@@ -202,27 +232,29 @@ def compare(task: Task, solution: Solution) -> Level:
                 if not np.array_equal(measured[name], metrics[name], equal_nan=True):
                     raise UsageError(f"{task}: two criteria measure {name!r} differently: give each a series of its own")
             metrics |= measured
-    work = dataclasses.asdict(solution.work)
-    return _level(task, solution.outcome, dt=solution.dt, errors=table, metrics=metrics, **work)
+    return Run(_excerpt(task, solution), table, metrics, task.shown)
 
 
-def _snapshots(task: Task, solution: Solution) -> Snapshots:
-    outputs = _spread(len(solution.time), SNAPSHOT_OUTPUTS + 1)
-    samples = _spread(len(solution.histories["time"]), HISTORY_SAMPLES + 1)
-    time = solution.time[outputs]
+def _excerpt(task: Task, solution: Solution) -> Solution:
+    """Return what is kept of a solution: the last output; of a run that the pages show also histories, and the profiles that they draw."""
+    drawn = task.shown and task.problem.problem.dimension == 1
+    samples = _spread(len(solution.histories["time"]), SHOWN_SAMPLES) if task.shown else None
+    return solution.excerpt(_spread(len(solution.time), SHOWN_OUTPUTS if drawn else 1), samples)
+
+
+def _snapshots(task: Task, kept: Solution) -> Snapshots:
     return Snapshots(
         case=task.case,
         refinement=task.refinement,
         h=task.discretisation.h,
-        time=time,
-        reference=solution.reference,
-        position=solution.position[outputs],
-        fields={quantity: values[outputs] for quantity, values in solution.fields.items()},
-        exact={q: field(solution.reference, time) for q, field in task.problem.exact.fields.items() if q in solution.fields},
-        histories={name: values[samples] for name, values in solution.histories.items()},
+        time=kept.time,
+        reference=kept.reference,
+        fields=kept.fields,
+        exact={q: field(kept.reference, kept.time) for q, field in task.problem.exact.fields.items() if q in kept.fields},
+        histories=kept.histories,
     )
 
 
 def _spread(count: int, most: int) -> np.ndarray:
-    """Return at most `most` of `count` indices, evenly spaced, with the first and the last."""
-    return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(int))
+    """Return at most `most` of `count` indices, evenly spaced, with the last and, of several, the first."""
+    return np.unique(np.round(np.linspace(count - 1, 0, min(count, most))).astype(int))

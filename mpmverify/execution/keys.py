@@ -26,18 +26,20 @@ def digest(*parts: Any, code: Iterable[str] = ()) -> str:
     Parameters
     ----------
     *parts : object
-        Values: numbers, strings, frozen dataclasses, functions of a module, and tuples and mappings of them.
+        Values: numbers, strings, frozen dataclasses, functions of a module, paths of files, and tuples and mappings of them. A path
+        stands for the name and the bytes of its file, such as a program that a solver calls.
     code : iterable of str
         Further modules that the result depends on, beside those of the classes of the parts.
 
     Raises
     ------
     UsageError
-        If a part is not a value, such as a lambda, a closure or a mutable object; or if the module of its class has no file.
+        If a part is not a value, such as a lambda, a closure or a mutable object; if the module of its class has no file; or if the
+        file of a path cannot be read.
 
     Notes
     -----
-    The digest does not see what a compiled module imports or links to, nor what code calls other than by import.
+    The digest does not see what a program or a compiled module imports or links to, nor what code calls other than by import or path.
     """
     modules = set(code)
     body = json.dumps([canonical(part, modules) for part in parts], sort_keys=True)
@@ -65,6 +67,8 @@ def canonical(value: Any, modules: set[str]) -> Any:
         modules.add(type(value).__module__)
         fields = {f.name: canonical(getattr(value, f.name), modules) for f in dataclasses.fields(value)}
         return [f"{type(value).__module__}.{type(value).__qualname__}", fields]
+    if isinstance(value, Path):
+        return ["path", value.name, _path_digest(value)]
     if isinstance(value, Mapping) and all(isinstance(name, str) for name in value):
         return {str(name): canonical(entry, modules) for name, entry in value.items()}
     if isinstance(value, tuple | list):
@@ -76,7 +80,26 @@ def canonical(value: Any, modules: set[str]) -> Any:
         modules.add(type(value).__module__)
         return [f"{type(value).__module__}.{type(value).__qualname__}", {}]
     shown = textwrap.shorten(repr(value), 80)
-    raise UsageError(f"{shown} has no content key: use numbers, strings, and frozen dataclasses and functions of a module")
+    raise UsageError(
+        f"{shown} has no content key: use numbers, strings, paths, and frozen dataclasses and functions of a module"
+    )
+
+
+def _path_digest(path: Path) -> str:
+    try:
+        status = path.stat()
+        return _bytes_digest(path.absolute(), status.st_size, status.st_mtime_ns)
+    except OSError as error:
+        reason = error.strerror or error
+        raise UsageError(
+            f"runs that depend on '{path}' have no key ({reason}): build this file, or correct its path"
+        ) from error
+
+
+@cache
+def _bytes_digest(path: Path, size: int, modified: int) -> str:
+    """Digest of a file in the state that its size and modification time show."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _is_its_class(value: Any) -> bool:

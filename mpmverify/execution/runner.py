@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from mpmverify.criteria import check_storable
 from mpmverify.criteria.evidence import evidence_by_series
-from mpmverify.dataset.files import Results
-from mpmverify.dataset.verdicts import StoredVerdicts, read_verdicts, write_verdicts
+from mpmverify.dataset.files import Results, make_way
+from mpmverify.dataset.verdicts import read_verdicts, write_verdicts
 from mpmverify.execution import processes
 from mpmverify.execution.dask import Distributed
 from mpmverify.execution.evaluation import Evaluated, Task, run_key
@@ -19,10 +19,10 @@ from mpmverify.judgement.judging import judge
 from mpmverify.problem import Discretisation, Problem
 from mpmverify.study import Study
 
+SHOWN_POINTS = 160
+"""Largest number of cells times particles per cell of the level that the pages show."""
 JUDGING = ("mpmverify.execution.evaluation", "mpmverify.judgement.judging", "mpmverify.dataset.study")
 """Modules that measure, judge and store."""
-SHOWN_POINTS = 160
-"""Largest number of cells times particles per cell of the level that the pages show; the finest such level is taken."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,9 @@ def tasks_of(study: Study, plan: Plan) -> list[Task]:
     table: list[Task] = []
     for case, series in study.series():
         levels = series.refinement.tier(plan.tier)
-        fitting = [k for k, level in enumerate(levels) if _points(case.problem.problem, level) <= SHOWN_POINTS]
+        # The pages show the finest level with few points, in the full tier the same one: its run is at hand.
+        common = series.refinement.tier("quick") or levels
+        fitting = [k for k, level in enumerate(common) if _points(case.problem.problem, level) <= SHOWN_POINTS]
         shown = max(fitting, default=0)
         for k, level in enumerate(levels):
             task = Task(
@@ -94,7 +96,7 @@ def tasks_of(study: Study, plan: Plan) -> list[Task]:
                 solver=series.solver,
                 discretisation=level,
                 criteria=series.criteria,
-                key=run_key(case.problem, series.solver, level),
+                key=run_key(case.problem, series.solver, level, series.criteria),
                 shown=k == shown,
                 reuse=plan.reuse,
             )
@@ -117,7 +119,7 @@ def run(
     Raises
     ------
     UsageError, ResultsError
-        On misuse, or when a file of the results folder is damaged or cannot be written.
+        On misuse, or when a file of the results folder is foreign or cannot be written.
     """
     studies = [study.in_tier(plan.tier) for study in studies]
     for study in studies:
@@ -128,13 +130,12 @@ def run(
     for study in studies:
         tasks = tasks_of(study, plan)
         inputs = _inputs(study, plan, tasks)
-        entry = stored.get(study.name, StoredVerdicts((), "", ()))
+        entry = stored.get(study.name)
         path = plan.results.study(study.name)
-        # Checked even when runs are not reused: a foreign file is named before anything is solved.
-        up_to_date = path.exists() and entry.made_from(inputs, path)
-        if plan.reuse and up_to_date:
+        if plan.reuse and entry and entry.made_from(inputs, path):
             yield StudyRun(study.name, entry.findings, 0, len(tasks), 0.0)
         else:
+            make_way(path, "study")  # a foreign file is named before anything is solved
             work[study.name] = tasks
     by_name = {study.name: study for study in studies}
     done: dict[str, dict[int, Evaluated]] = {name: {} for name in work}

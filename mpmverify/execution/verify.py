@@ -2,14 +2,11 @@
 
 import dataclasses
 import pickle
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import Level, SeriesId, evidence_of
 from mpmverify.criteria.expectations import expectations
-from mpmverify.dataset.files import Results
 from mpmverify.errors import UsageError
 from mpmverify.execution.contract import lacking
 from mpmverify.execution.evaluation import Task
@@ -72,24 +69,22 @@ def verify(
     refinement = chosen.ladder_in_h() if criteria is None else chosen.ladder or chosen.series[0].refinement
     if not demanded:
         raise UsageError(f"no criterion is given for solver {solver.name!r} on {chosen.problem.problem.name!r}: give one")
-    with tempfile.TemporaryDirectory(prefix="mpmverify-") as folder:
-        tasks = [
-            Task(
-                results=Path(folder),
-                study=study.name,
-                index=index,
-                case=chosen.name,
-                refinement=refinement.label,
-                problem=chosen.problem,
-                solver=solver,
-                discretisation=discretisation,
-                criteria=demanded,
-                key=f"{index}",
-                reuse=False,
-            )
-            for index, discretisation in enumerate(refinement.tier(tier))
-        ]
-        levels = _levels(tasks, timeout)
+    tasks = [
+        Task(
+            results=None,
+            study=study.name,
+            index=index,
+            case=chosen.name,
+            refinement=refinement.label,
+            problem=chosen.problem,
+            solver=solver,
+            discretisation=discretisation,
+            criteria=demanded,
+            key="",
+        )
+        for index, discretisation in enumerate(refinement.tier(tier))
+    ]
+    levels = _levels(tasks, timeout)
     series = SeriesId(chosen.name, solver.name, refinement.label)
     return judge(study.name, {series: demanded}, {series: evidence_of(levels)}).findings
 
@@ -105,7 +100,6 @@ def _case(study: Study, name: str) -> Case:
 
 
 def _levels(tasks: Sequence[Task], timeout: float | None) -> list[Level]:
-    Results(tasks[0].results).create()
     if timeout is None:
         return [evaluated.level for _, evaluated in inline(tasks)]
     try:

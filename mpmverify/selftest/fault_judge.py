@@ -12,7 +12,7 @@ import numpy as np
 
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.runs import read_run
+from mpmverify.dataset.runs import Run, read_run
 from mpmverify.errors import UsageError
 from mpmverify.execution.runner import Plan, run, tasks_of
 from mpmverify.judgement.baseline import Baseline
@@ -140,7 +140,9 @@ class FaultJudge:
         for reference, task in zip(
             tasks_of(trial, Plan(original, self.baseline)), tasks_of(faulty, Plan(results, self.baseline)), strict=True
         ):
-            yield deviation(read_run(results.run(task.key), task.key), read_run(original.run(reference.key), reference.key))
+            mine, theirs = read_run(results.run(task.key), task.key), read_run(original.run(reference.key), reference.key)
+            # The errors are those of all outputs; the solutions have only some of them.
+            yield max(deviation(mine.solution, theirs.solution), change_of_errors(mine, theirs))
 
     def _exercised(self, fault: Fault, folder: Path) -> bool:
         """Whether a trial reaches the edited passage: with a tripwire there, which raises or spoils arrays, some result differs."""
@@ -195,6 +197,17 @@ def _killer(findings: Sequence[Finding], gate: str) -> Finding | None:
             if finding.gate == gate and finding.verdict is verdict:
                 return finding
     return None
+
+
+def change_of_errors(faulty: Run, original: Run) -> float:
+    """Return the largest difference between error norms, relative to the sizes of the exact fields; infinite where one is not a number."""
+    worst = 0.0
+    for quantity in faulty.errors.keys() & original.errors.keys():
+        (mine, _), (theirs, size) = faulty.errors[quantity], original.errors[quantity]
+        if not np.array_equal(mine, theirs, equal_nan=True):
+            change = np.abs(mine - theirs) / np.where(size > 0, size, 1.0)
+            worst = max(worst, float(np.max(np.where(np.isnan(change), np.inf, change))))
+    return worst
 
 
 def deviation(faulty: Solution, original: Solution) -> float:

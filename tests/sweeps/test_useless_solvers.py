@@ -19,7 +19,7 @@ from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria.criterion import Criterion, OnLimits
 from mpmverify.criteria.evidence import SeriesId, evidence_of
 from mpmverify.exact import ExactSolution
-from mpmverify.execution.evaluation import Task, compare
+from mpmverify.execution.evaluation import Task, level_of, measure
 from mpmverify.execution.verify import verify
 from mpmverify.judgement.judging import judge
 from mpmverify.problem import Discretisation, Problem, output_steps
@@ -109,7 +109,7 @@ class CriterionSet:
 
     def verdicts(self, solutions: tuple[tuple[Task, Solution], ...]) -> list[str]:
         series = SeriesId(self.case.name, self.right.name, "")
-        evidence = evidence_of([compare(task, solution) for task, solution in solutions])
+        evidence = evidence_of([level_of(task, measure(task, solution)) for task, solution in solutions])
         return [
             f"{f.verdict} {f.criterion}: {f.reason}"
             for f in judge(self.study, {series: self.series.criteria}, {series: evidence}).findings
