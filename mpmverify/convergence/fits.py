@@ -56,17 +56,19 @@ def pairwise_orders(h: Array, error: Array) -> Array:
     Parameters
     ----------
     h, error : Array
-        Sizes and errors (n,), coarsest first.
+        Sizes and errors (n,), coarsest first. Of replicates at one size the geometric mean counts.
 
     Returns
     -------
     Array
-        NaN where one of the two errors is not positive and finite.
+        Order from the next coarser size to each level but the first; NaN where an error is not positive and finite, and for
+        replicates of the coarsest size.
     """
+    sizes, level = np.unique(-h, return_inverse=True)
     usable = np.isfinite(error) & (error > 0)
-    log_error = np.log(np.where(usable, error, 1.0))
-    orders = np.diff(log_error) / np.diff(np.log(h))
-    return np.where(usable[:-1] & usable[1:], orders, np.nan)
+    log_error = np.bincount(level, np.log(np.where(usable, error, np.nan))) / np.bincount(level)
+    orders = np.append(np.nan, np.diff(log_error) / np.diff(np.log(-sizes)))
+    return orders[level][1:]
 
 
 def fit_order(h: Array, error: Array, confidence: float = CONFIDENCE) -> Fit:
@@ -103,21 +105,30 @@ def fit_floor(h: Array, error: Array) -> FloorFit:
 
     Notes
     -----
-    The relative residual is linear in (E0, A) at fixed p; a bounded scalar search finds p.
+    The relative residual is linear in E0 and A at a fixed p, which is searched on a grid that is refined twice.
     """
-    from scipy import optimize  # imported here because it takes half a second and most series need no floor
+    unit, size = h.max(), error.max()
+    orders = np.linspace(0.1, 8.0, 80)
+    for _ in range(3):
+        powers = (h / unit) ** orders[:, None]
+        floor, constant = _weighted_pair(np.ones_like(powers), powers, size / error)
+        misfit = np.sum(((floor[:, None] + constant[:, None] * powers) * size / error - 1) ** 2, axis=1)
+        best = int(np.argmin(misfit))
+        spacing = orders[1] - orders[0]
+        chosen = float(floor[best] * size), float(constant[best] * size), float(orders[best])
+        orders = np.linspace(max(orders[best] - spacing, orders[0]), orders[best] + spacing, 41)
+    found = chosen[0] + chosen[1] * (h / unit) ** chosen[2]
+    residual = float(np.sqrt(np.mean(np.log(error / found) ** 2)))
+    return FloorFit(chosen[0], float(chosen[1] / np.power(unit, chosen[2])), chosen[2], residual)
 
-    size, unit = error.max(), h.max()
-    scaled, values = h / unit, error / size
 
-    def at(order: float) -> tuple[Array, float]:
-        columns = np.column_stack([np.ones_like(h), scaled**order]) / values[:, None]
-        return optimize.nnls(columns, np.ones_like(h))
-
-    best = optimize.minimize_scalar(lambda order: at(order)[1], bounds=(0.1, 8.0), method="bounded", options={"xatol": 1e-4})
-    (floor, constant), _ = at(best.x)
-    residual = float(np.sqrt(np.mean(np.log(values / (floor + constant * scaled**best.x)) ** 2)))
-    return FloorFit(float(floor * size), float(constant * size / np.power(unit, best.x)), float(best.x), residual)
+def _weighted_pair(one: Array, other: Array, weight: Array) -> tuple[Array, Array]:
+    """Non-negative a and b (m,) with the least sum of squares of weight (a one + b other) - 1, columns (m, n)."""
+    u, v = one * weight, other * weight
+    uu, uv, vv, u1, v1 = (np.sum(t, axis=1) for t in (u * u, u * v, v * v, u, v))
+    determinant = uu * vv - uv**2
+    a, b = (u1 * vv - v1 * uv) / determinant, (v1 * uu - u1 * uv) / determinant
+    return np.where(b < 0, u1 / uu, np.where(a < 0, 0, a)), np.where(a < 0, v1 / vv, np.where(b < 0, 0, b))
 
 
 def significant_floor(h: Array, error: Array) -> FloorFit | None:

@@ -14,8 +14,8 @@ SAME = 1e-6
 """Relative difference up to which two sizes count as equal: 0.1 and 0.30000000000000004 / 3 differ by round-off alone."""
 
 
-def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
-    """Sizes and values (n,), coarsest first.
+def levels(h: Numbers, value: Numbers | None = None, *, replicates: bool = False) -> tuple[Array, Array]:
+    """Sizes and values (n,), coarsest first; replicates in ascending order of their values.
 
     Parameters
     ----------
@@ -24,11 +24,14 @@ def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
         coordinate "h", or else the coordinate of its dimension, holds the sizes.
     value : array-like, optional
         Values (n,). Masked values become NaN.
+    replicates : bool
+        Whether a size may have several values, such as those of several seeds. Equal sizes are then equal to the last digit.
 
     Raises
     ------
     UsageError
-        If the shapes do not match, the entries are not real numbers, or a size is not positive and finite or is given twice.
+        If the shapes do not match, the entries are not real numbers, or a size is not positive and finite or is given twice without
+        `replicates`.
     """
     if value is None:
         h, value = _sizes_of(h), h
@@ -41,9 +44,20 @@ def levels(h: Numbers, value: Numbers | None = None) -> tuple[Array, Array]:
         raise UsageError(f"every h must be positive and finite, not {size:g}")
     coarse_first = np.argsort(-h)
     h, value = h[coarse_first], value[coarse_first]
-    for size in h[:-1][np.abs(np.diff(h)) <= SAME * h[:-1]]:
+    new = np.append(True, np.abs(np.diff(h)) > SAME * h[:-1])
+    if replicates:
+        h = h[new][np.cumsum(new) - 1]
+        ascending = np.lexsort((value, -h))
+        return h, value[ascending]
+    for size in h[~new]:
         raise UsageError(f"h={size:g} is given twice: every level needs a different size")
     return h, value
+
+
+def by_size(h: Array, error: Array) -> tuple[Array, Array]:
+    """Distinct sizes and the geometric mean of the errors at each (m,), coarsest first; that of positive and finite errors alone."""
+    sizes, level = np.unique(-h, return_inverse=True)
+    return -sizes, np.exp(np.bincount(level, np.log(error)) / np.bincount(level))
 
 
 def numbers(values: Numbers, what: str) -> Array:

@@ -2,17 +2,19 @@
 
 A series is a set of levels (h, error). The levels are sorted by h. Levels at round-off are dropped, then levels whose error is too
 close to the uncertainty of a numerical reference, then coarse levels that are not yet asymptotic. Each dropped level is named with
-the reason. The remaining levels are fitted.
+the reason. The order at the finest level is estimated from the remaining levels.
 """
 
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 
+from mpmverify.convergence.estimate import Estimate, estimate
 from mpmverify.convergence.fits import CONFIDENCE, Fit, FloorFit, fit_order, pairwise_orders, significant_floor
-from mpmverify.convergence.levels import Array, Numbers, levels
+from mpmverify.convergence.levels import Array, Numbers, by_size, levels
 from mpmverify.errors import UsageError
 
 ROUND_OFF = 1e-12
@@ -20,11 +22,11 @@ ROUND_OFF = 1e-12
 REFERENCE_MARGIN = 10.0
 """Smallest ratio of a usable error to the uncertainty of the numerical reference."""
 FLAT = 0.25
-"""Largest magnitude of a fitted order at which a series is stagnant."""
-SHARP = 0.05
-"""Width of the interval of the order below which no further coarse level is dropped."""
-STEP_SLACK = 0.1
-"""Change of log E in one refinement step that may be noise: four standard deviations where errors scatter by 2 %."""
+"""Largest magnitude of an order at which a series is stagnant."""
+VAGUE = 0.25
+"""Half-width of the interval of an order, relative to the order or 1, above which the levels are not yet asymptotic."""
+GROWTH = 1.1
+"""Growth of the error in the finest step that is no scatter."""
 
 
 class Classification(StrEnum):
@@ -32,6 +34,7 @@ class Classification(StrEnum):
 
     ASYMPTOTIC = "asymptotic"
     PRE_ASYMPTOTIC = "pre-asymptotic"
+    EXACT = "exact"
     ROUND_OFF_FLOOR = "round-off floor"
     FINER_THAN_REFERENCE = "finer than its reference"
     OTHER_FLOOR = "other-error floor"
@@ -49,20 +52,25 @@ class Convergence:
     Parameters
     ----------
     h, error : Array
-        All levels (n,), sorted by decreasing h.
+        All levels (n,), sorted by decreasing h; replicates have the same h.
     pairwise : Array
-        Observed order of each neighbouring pair (n - 1,); NaN where an error is zero or not finite.
+        Observed order from the next coarser size to each level but the first (n - 1,), from the geometric means of replicates; NaN
+        where an error is zero or not finite, and at replicates of the coarsest size.
     kept : Array of bool
         Levels in the fit (n,).
     dropped : tuple of str
         One sentence for each dropped level or group of levels.
-    fit : Fit or None
-        None with fewer than two usable levels or a non-finite error.
     floor : FloorFit or None
         Fit with an error floor above round-off, where the floor is significant.
     classification : Classification
     limit : float
         Levels with errors at or below it were dropped: round-off, or ten times the uncertainty of the reference.
+    estimate : Estimate or None
+        Probable laws of the levels above the limit; None with fewer than three usable sizes.
+    size : str
+        Name of the refined size.
+    confidence : float
+        Confidence level of the interval of the order.
     """
 
     h: Array
@@ -70,81 +78,35 @@ class Convergence:
     pairwise: Array
     kept: np.ndarray
     dropped: tuple[str, ...]
-    fit: Fit | None
     floor: FloorFit | None
     classification: Classification
     limit: float = ROUND_OFF
+    estimate: Estimate | None = None
+    size: str = "h"
+    confidence: float = CONFIDENCE
 
-    def finest_step(self, low: float, high: float, change: float = 0.0) -> float:
-        """Deviation of the finest refinement step from a band of orders; at least two levels must be kept.
+    @cached_property
+    def fit(self) -> Fit | None:
+        """Order at the finest level with its interval; None with fewer than two usable sizes or a non-finite error."""
+        if self.estimate is not None:
+            found = self.estimate
+            return Fit(found.order, *found.interval(self.confidence), found.constant)
+        h, error = self.h[self.kept], self.error[self.kept]
+        return fit_order(h, error, self.confidence) if len(np.unique(h)) == 2 else None
 
-        Parameters
-        ----------
-        low, high : float
-            Band of orders.
-        change : float
-            Added to the observed order of the step; see `trend`.
+    def last_steps(self) -> Array:
+        """Observed orders of the two finest steps between kept sizes, and of both together (3,); needs three kept sizes."""
+        h, error = by_size(self.h[self.kept], self.error[self.kept])
+        both = math.log(error[-3] / error[-1]) / math.log(h[-3] / h[-1])
+        return np.append(pairwise_orders(h, error)[-2:], both)
 
-        Returns
-        -------
-        float
-            log(E_coarse/E_fine) of the step, less the nearest value that the band allows: zero inside the band, negative if the error
-            decreases too little, positive if it decreases too much.
-
-        Notes
-        -----
-        A fit yields the interval of the mean slope. After many levels on a straight line, this interval does not show that the finest
-        level has reached a floor, has grown or is implausibly small; the last step does.
-        """
-        coarse, fine = np.flatnonzero(self.kept)[-2:]
-        width = math.log(self.h[coarse] / self.h[fine])
-        reduction = math.log(self.error[coarse] / self.error[fine]) + change * width
-        return min(0.0, reduction - low * width) + max(0.0, reduction - high * width)
-
-    def last_two_steps(self, low: float) -> float:
-        """Deviation of the two finest steps together below the order `low`, as in `finest_step`: zero or negative.
-
-        If a correction term alternates in sign, single steps overestimate and underestimate the order in turn.
-        """
-        coarse, _, fine = np.flatnonzero(self.kept)[-3:]
-        return min(0.0, math.log(self.error[coarse] / self.error[fine]) - low * math.log(self.h[coarse] / self.h[fine]))
-
-    def approaches(self, low: float, high: float) -> bool:
-        """Whether the order at the finest step lies outside the band [low, high] but approaches it; needs at least three kept levels.
-
-        Notes
-        -----
-        Either of two estimates suffices. First: on a parabola fitted to (log h, log E), the order has changed towards the band, from
-        the first step to the last, by at least the distance that remains. Second: the order reaches the band if the `trend` of the
-        last three orders continues. A trend that lasts continues with changes of two thirds of the one before, in total
-        twice the last change; a trend that does not last continues with one more change equal to the last one.
-        """
-        x = np.log(self.h[self.kept])
-        order = np.polynomial.Polynomial.fit(x, np.log(self.error[self.kept]), 2).deriv()
-        first, last = float(order((x[0] + x[1]) / 2)), float(order((x[-2] + x[-1]) / 2))
-        step = self.finest_step(low, high)
-        turned = first - last >= max(last - high, 0.0) if step > 0 else last - first >= max(low - last, 0.0)
-        change, lasts = self.trend()
-        return step != 0 and (turned or step * self.finest_step(low, high, 2 * change if lasts else change) <= 0)
-
-    def plunges(self, high: float) -> bool:
-        """Whether the error drops to `limit` in one step, although at order `high` it would stay above."""
+    def plunges(self, order: float) -> bool:
+        """Whether the error drops to `limit` in one step, although at an order it would stay above."""
         return any(
-            math.log(self.error[k] / self.limit) > high * math.log(self.h[k] / self.h[k + 1]) + STEP_SLACK
-            for k in np.flatnonzero(self.kept[:-1])
-            if self.error[k + 1] <= self.limit
+            math.log(self.error[k] / self.limit) > order * math.log(self.h[k] / self.h[k + 1])
+            for k in np.flatnonzero(self.error[:-1] > self.limit)
+            if self.error[k + 1] <= self.limit and self.h[k + 1] < self.h[k]
         )
-
-    def trend(self) -> tuple[float, bool]:
-        """Last change of the observed order, and whether the trend lasts.
-
-        The change is zero unless the last three observed orders increase or decrease monotonically. The trend lasts if this change is
-        at least two thirds of the one before it.
-        """
-        changes = np.diff(pairwise_orders(self.h[self.kept], self.error[self.kept])[-3:])
-        if len(changes) < 2 or changes[0] * changes[1] <= 0:
-            return 0.0, False
-        return float(changes[1]), bool(3 * abs(changes[1]) >= 2 * abs(changes[0]))
 
 
 def analyse(
@@ -155,14 +117,16 @@ def analyse(
     round_off: float = ROUND_OFF,
     uncertainty: float = 0.0,
     confidence: float = CONFIDENCE,
+    size: str = "h",
 ) -> Convergence:
     """Analyse an error series.
 
     Parameters
     ----------
     h : array-like
-        Level sizes (n,), positive, finite and distinct, in any order: cell sizes, time steps, or 1/ppc. Alternatively the errors, in
-        a pandas Series with h as its index or an xarray DataArray with h as a coordinate.
+        Level sizes (n,), positive and finite, in any order: cell sizes, time steps, or 1/ppc. Alternatively the errors, in a pandas
+        Series with h as its index or an xarray DataArray with h as a coordinate. Levels of the same size are replicates, such as runs
+        with several seeds: each enters the fit as it is.
     error : array-like, optional
         Errors (n,), paired with h by position. The default of `round_off` assumes errors relative to the size of the exact solution.
     expected : (float, float), optional
@@ -173,7 +137,9 @@ def analyse(
         Uncertainty of the numerical reference (`Reference.uncertainty`) in the unit of the error; 0 for an exact solution. Levels with
         errors of at most ten times the uncertainty are dropped.
     confidence : float
-        Confidence level of the interval of the fitted order.
+        Confidence level of the interval of the order.
+    size : str
+        Name of the refined size in sentences.
 
     Returns
     -------
@@ -182,10 +148,9 @@ def analyse(
     Raises
     ------
     UsageError
-        If the shapes do not match, a size is not positive, finite and distinct, or an error or the uncertainty is negative or not a
-        number.
+        If the shapes do not match, a size is not positive and finite, or an error or the uncertainty is negative or not a number.
     """
-    h, error = levels(h, error)
+    h, error = levels(h, error, replicates=True)
     if np.any(np.isfinite(error) & (error < 0)):
         raise UsageError("an error norm cannot be negative")
     if not uncertainty >= 0:
@@ -194,54 +159,59 @@ def analyse(
     pairwise = pairwise_orders(h, error)
 
     def result(
-        kind: Classification, kept: np.ndarray, dropped: list[str], fit: Fit | None = None, floor: FloorFit | None = None
+        kind: Classification,
+        kept: np.ndarray,
+        dropped: list[str],
+        floor: FloorFit | None = None,
+        found: Estimate | None = None,
     ) -> Convergence:
-        return Convergence(h, error, pairwise, kept, tuple(dropped), fit, floor, kind, limit)
+        return Convergence(h, error, pairwise, kept, tuple(dropped), floor, kind, limit, found, size, confidence)
 
-    everything = np.ones(len(h), dtype=bool)
     if not np.all(np.isfinite(error)):
-        bad = [f"h={size:g}: not finite ({value})" for size, value in zip(h, error, strict=True) if not np.isfinite(value)]
-        return result(Classification.NON_FINITE, ~everything, [*bad, "every level: a series that is not finite has no order"])
+        bad = [f"{size}={at:g}: not finite ({value})" for at, value in zip(h, error, strict=True) if not np.isfinite(value)]
+        nothing = np.zeros(len(h), dtype=bool)
+        return result(Classification.NON_FINITE, nothing, [*bad, "every level: a series that is not finite has no order"])
     kept = error > limit
     dropped = [
-        f"h={size:g}: at round-off ({value:.1e})"
+        f"{size}={at:g}: at round-off ({value:.1e})"
         if value <= round_off
-        else f"h={size:g}: {value:.1e} is finer than {REFERENCE_MARGIN:g} times the uncertainty of the reference ({uncertainty:.1e})"
-        for size, value in zip(h[~kept], error[~kept], strict=True)
+        else f"{size}={at:g}: {value:.1e} is finer than {REFERENCE_MARGIN:g} times the uncertainty of the reference ({uncertainty:.1e})"
+        for at, value in zip(h[~kept], error[~kept], strict=True)
     ]
-    if kept.sum() < 3:
+    sizes = len(np.unique(h[kept]))
+    if sizes < 3:
         kind = Classification.TOO_SHORT
-        if not kept.all():
-            exact = bool(np.any(error <= round_off))
-            kind = Classification.ROUND_OFF_FLOOR if exact else Classification.FINER_THAN_REFERENCE
-        return result(kind, kept, dropped, fit_order(h[kept], error[kept], confidence) if kept.sum() == 2 else None)
+        if np.all(error <= round_off):
+            kind = Classification.EXACT
+        elif not kept.all():
+            kind = Classification.ROUND_OFF_FLOOR if np.any(error <= round_off) else Classification.FINER_THAN_REFERENCE
+        return result(kind, kept, dropped)
 
-    floor = significant_floor(h[kept], error[kept])
-    fit = fit_order(h[kept], error[kept], confidence)
-    # Drop the coarsest level while at least four levels remain, the interval is wider than SHARP, and dropping at least halves it.
-    while kept.sum() > 4 and floor is None and fit.high - fit.low > SHARP:
-        finer = kept.copy()
-        finer[np.flatnonzero(kept)[0]] = False
-        without = fit_order(h[finer], error[finer], confidence)
-        if without.high - without.low > 0.5 * (fit.high - fit.low):
-            break
-        dropped.append(
-            f"h={h[np.flatnonzero(kept)[0]]:g}: pre-asymptotic (order {fit.order:.2f} with it, {without.order:.2f} without)"
-        )
-        kept, fit = finer, without
-
-    last = pairwise_orders(h[kept], error[kept])[-1]
-    grows = last < -FLAT and error[kept][-1] > (1 + STEP_SLACK) * error[kept][-2]
-    if fit.high < 0 or fit.order < -FLAT or grows:
+    found = estimate(h[kept], error[kept])
+    rough = np.flatnonzero(kept)[: found.start]
+    times = error[kept] / found.predict(h[kept])
+    dropped += [
+        f"{size}={h[k]:g}: pre-asymptotic ({share:.2g} times what the finer levels predict)"
+        for k, share in zip(rough, times, strict=False)
+    ]
+    kept[rough] = False
+    used, means = by_size(h[kept], error[kept])
+    floor = significant_floor(used, means)
+    if floor is not None and found.below(FLAT).limit <= 0.5:
+        floor = None
+    order, tail = found.order, 0.5 - confidence / 2
+    grows = pairwise_orders(used, means)[-1] < -FLAT and means[-1] > GROWTH * means[-2]
+    wide = VAGUE * max(1.0, abs(order))
+    if order < -FLAT or grows:
         kind = Classification.DIVERGENT
     elif floor is not None:
         kind = Classification.OTHER_FLOOR
-    elif abs(fit.order) <= FLAT:
+    elif abs(order) <= FLAT:
         kind = Classification.STAGNANT
-    elif expected is not None and fit.low > expected[1]:
+    elif expected is not None and found.step_below(expected[1]) < tail:
         kind = Classification.SUPERCONVERGENT
-    elif fit.high - fit.low > 0.5 * max(1.0, abs(fit.order)):
+    elif found.step_below(order - wide) > tail or found.step_below(order + wide) < 1 - tail:
         kind = Classification.PRE_ASYMPTOTIC
     else:
         kind = Classification.ASYMPTOTIC
-    return result(kind, kept, dropped, fit, floor)
+    return result(kind, kept, dropped, floor, found)

@@ -1,8 +1,7 @@
 """Evidence: the results of the runs of one series, on which criteria are judged."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -170,8 +169,7 @@ class Evidence:
         size = self.axis.size
         if not size:
             return None
-        series = analyse(self.sizes[size], self.relative(quantity, norm), expected=expected)
-        return replace(series, dropped=tuple(re.sub(r"^h=", f"{size}=", sentence) for sentence in series.dropped))
+        return analyse(self.sizes[size], self.relative(quantity, norm), expected=expected, size=size)
 
     def separation(self, sizes: tuple[str, ...], quantity: str, norm: str) -> Separation:
         """Separate the sources of one relative error.

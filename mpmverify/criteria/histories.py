@@ -203,7 +203,7 @@ class EnergyDrift:
             return Verdict.PASS, f"largest relative drift {drift.max():.1e}: round-off"
         if len(np.unique(evidence.dt)) < len(drift):
             return Verdict.INCONCLUSIVE, f"drift up to {drift.max():.1e}; an order in dt needs another dt on every level"
-        verdict, reason = judge_order(analyse(evidence.dt, drift, round_off=DRIFT_ROUND_OFF), self.low, PLAUSIBLE)
+        verdict, reason = judge_order(analyse(evidence.dt, drift, round_off=DRIFT_ROUND_OFF, size="dt"), self.low, PLAUSIBLE)
         return verdict, f"drift {drift.min():.1e} at best, in dt: {reason}"
 
 
