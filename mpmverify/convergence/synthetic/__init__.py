@@ -1,6 +1,7 @@
 """Random error series of known truth, and the rates of right and wrong verdicts on them."""
 
 from mpmverify.convergence.synthetic.designs import measure_designs
+from mpmverify.convergence.synthetic.ideal import ideal_rates
 from mpmverify.convergence.synthetic.kinds import KINDS, Kind, RandomSeries, Truth, draw_series
 from mpmverify.convergence.synthetic.rates import Rate, measure, measure_limits, total
 
@@ -11,6 +12,7 @@ __all__ = [
     "Rate",
     "Truth",
     "draw_series",
+    "ideal_rates",
     "measure",
     "measure_designs",
     "measure_limits",

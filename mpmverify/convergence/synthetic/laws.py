@@ -10,8 +10,12 @@ from mpmverify.convergence.levels import Array
 
 MARGIN = 0.3
 """Smallest distance between the band and an order drawn outside it."""
+LEAST_ORDER = 0.05
+"""Smallest positive order that is drawn below a band."""
 UNCERTAINTY = 1e-6
 """Relative uncertainty of the numerical reference in `against_reference`."""
+SINGLE_ROUND_OFF = 1e-5
+"""Relative error at and below which round-off of single precision hides the order: noise of 1e-7 is 1 % of it."""
 
 
 @dataclass(frozen=True)
@@ -38,14 +42,17 @@ class LawInputs:
     def coin(self) -> bool:
         return bool(self.generator.random() < 0.5)
 
+    def sign(self) -> int:
+        return 1 if self.coin() else -1
+
     def inside(self) -> float:
         """Draw an order in the inner half of the band."""
         quarter = (self.high - self.low) / 4
         return self.uniform(self.low + quarter, self.high - quarter)
 
     def below(self) -> float:
-        """Draw a positive order below the band: `MARGIN` to 1.5 below it where that is above 0.05, else 0.05."""
-        return max(0.05, self.low - self.uniform(MARGIN, 1.5))
+        """Draw a positive order below the band: `MARGIN` to 1.5 below it where that is above `LEAST_ORDER`, else that."""
+        return max(LEAST_ORDER, self.low - self.uniform(MARGIN, 1.5))
 
     def above(self) -> float:
         """Draw an order `MARGIN` to 1.5 above the band."""
@@ -53,50 +60,57 @@ class LawInputs:
 
 
 Law = Callable[[LawInputs], Array]
+DrawnOrder = Callable[[LawInputs], float]
+"""How the order of a law is drawn: `LawInputs.inside`, `below` or `above`."""
 
 
-# Laws whose order lies inside the band.
+# Laws whose order may lie inside the band or outside.
 
 
-def power_law(s: LawInputs) -> Array:
-    return s.x ** s.inside()
+def power_law(s: LawInputs, order: DrawnOrder) -> Array:
+    return s.x ** order(s)
 
 
-def approached(s: LawInputs, sign: int) -> Array:
-    """A correction term of up to 25 % at the third finest level; the order approaches its limit from above (+1) or below (-1)."""
-    correction = s.uniform(0, 0.25) * (s.x / s.x[-3]) ** s.uniform(0.5, 3)
-    return s.x ** s.inside() * np.abs(1 + sign * correction) + 1e-300
+def approached(s: LawInputs, order: DrawnOrder, sign: int) -> Array:
+    """A correction term of up to 25 % at the third finest level; the order approaches its limit from above (+1) or below (-1).
+
+    Outside a band, the limit lies so far off that the order of the finest level lies outside by `MARGIN` too.
+    """
+    share, power = s.uniform(0, 0.25), s.uniform(0.5, 3)
+    correction = share * (s.x / s.x[-3]) ** power
+    ahead = sign * power * correction[-1] / (1 + sign * correction[-1])
+    limit = order(s)
+    if order is LawInputs.below:
+        limit -= max(ahead, 0.0)
+    elif order is LawInputs.above:
+        limit -= min(ahead, 0.0)
+    return s.x**limit * np.abs(1 + sign * correction) + 1e-300
 
 
-def rough_start(s: LawInputs) -> Array:
-    """Coarse levels that do not resolve the solution: their errors are up to 5 times too small or 1.5 times too large.
+def rough_start(s: LawInputs, order: DrawnOrder) -> Array:
+    """One to three coarse levels that do not resolve the solution: their errors are up to 5 times too small or 20 times too large.
 
     At least the four finest levels follow the power law.
     """
-    levels = len(s.x)
-    start = int(s.generator.integers(0, max(1, levels - 3)))
-    factor = np.ones(levels)
-    factor[:start] = np.exp(s.generator.uniform(-1.6, 0.4, start))
-    return s.x ** s.inside() * factor
+    start = int(s.generator.integers(1, min(3, len(s.x) - 4) + 1))
+    factor = np.ones(len(s.x))
+    factor[:start] = np.exp(s.generator.uniform(-1.6, 3.0, start))
+    return s.x ** order(s) * factor
 
 
-def mixed(s: LawInputs) -> Array:
-    """A h^p + B h^q with p inside the band and q up to 2 above p; the second term is less than a third of the finest error."""
-    share, slow = s.uniform(0, 1 / 3), s.inside()
+def mixed(s: LawInputs, order: DrawnOrder) -> Array:
+    """A h^p + B h^q with q up to 2 above p; the second term is less than a third of the finest error."""
+    share, slow = s.uniform(0, 1 / 3), order(s)
     return (1 - share) * s.x**slow + share * s.x ** (slow + s.uniform(0.3, 2))
 
 
-def alternating(s: LawInputs, order: Callable[[LawInputs], float]) -> Array:
+def alternating(s: LawInputs, order: DrawnOrder) -> Array:
     """Odd and even levels lie on two parallel lines, or on two curves that converge, in the plane of log h and log E."""
-    amplitude = s.uniform(0.05, 0.5) * (s.x / s.x[0] if s.coin() else 1.0)
-    return s.x ** order(s) * (1 + amplitude * (-1.0) ** np.arange(len(s.x)) * (1 if s.coin() else -1))
+    amplitude = s.sign() * s.uniform(0.05, 0.5) * (s.x / s.x[0] if s.coin() else 1.0)
+    return s.x ** order(s) * (1 + amplitude * (-1.0) ** np.arange(len(s.x)))
 
 
 # Laws whose order lies outside the band.
-
-
-def other_order(s: LawInputs, side: Callable[[LawInputs], float]) -> Array:
-    return s.x ** side(s)
 
 
 def stagnant(s: LawInputs) -> Array:
@@ -131,18 +145,18 @@ def slower_in_the_end(s: LawInputs) -> Array:
 
 
 def blows_up(s: LawInputs) -> Array:
-    return _with_finest(power_law(s), 10 ** s.uniform(1, 6))
+    return _with_finest(power_law(s, LawInputs.inside), 10 ** s.uniform(1, 6))
 
 
 # Laws that allow no decision.
 
 
 def too_good(s: LawInputs) -> Array:
-    return _with_finest(power_law(s), 10 ** -s.uniform(2, 8))
+    return _with_finest(power_law(s, LawInputs.inside), 10 ** -s.uniform(2, 8))
 
 
 def vanishes(s: LawInputs) -> Array:
-    return _with_finest(power_law(s), 0.0)
+    return _with_finest(power_law(s, LawInputs.inside), 0.0)
 
 
 def _with_finest(error: Array, factor: float) -> Array:
@@ -156,17 +170,30 @@ def unaltered(s: LawInputs, error: Array) -> Array:
     return error
 
 
-def at_round_off(s: LawInputs, error: Array, least: int) -> Array:
-    """Replace the finest levels by noise of double precision.
+def at_round_off(s: LawInputs, error: Array, least: int, round_off: float = ROUND_OFF, noise: float = 1e-15) -> Array:
+    """Replace the finest levels by noise of the arithmetic.
 
     At least `least` levels stay above round-off; if `least` is 0, at most two do.
     """
     levels = len(error)
-    above = int(s.generator.integers(least, levels + 1)) if least else int(s.generator.integers(0, 3))
-    step = error[max(above - 1, 0)] / error[min(above, levels - 1)]
-    last = ROUND_OFF * max(step, 1.1) ** s.uniform(0.05, 0.95)
-    scaled = error / error[max(above - 1, 0)] * (last if above else 0.5 * ROUND_OFF)
-    return np.abs(scaled + 1e-15 * s.generator.standard_normal(levels))
+    counts = range(least, levels + 1) if least else range(3)
+    smallest = np.minimum.accumulate(np.append(np.inf, error))  # of so many coarse levels
+    largest = np.append(np.maximum.accumulate(error[::-1])[::-1], 0.0)  # of the other ones
+    above = int(s.generator.choice([count for count in counts if smallest[count] > 1.02 * largest[count]]))
+    upper, lower = smallest[above], largest[above]
+    if not above:
+        upper = 4 * lower
+    elif above == levels:
+        lower = upper / 4
+    share = s.uniform(0.05, 0.95)
+    scaled = error * round_off / (upper**share * lower ** (1 - share))
+    return np.abs(scaled + noise * s.generator.standard_normal(levels))
+
+
+def in_single_precision(s: LawInputs, error: Array) -> Array:
+    """Hide the three finest of at least four levels under noise of single precision, of which the judge is not told."""
+    noise = 1e-7 * np.exp(0.5 * s.generator.standard_normal(len(error)))
+    return error / error[-3] * 1e-7 * s.uniform(0, 0.5) + noise
 
 
 def against_reference(s: LawInputs, error: Array) -> Array:

@@ -7,8 +7,9 @@ from functools import partial
 
 import numpy as np
 
-from mpmverify.convergence import verdict
+from mpmverify.convergence import analyse
 from mpmverify.convergence.levels import Array
+from mpmverify.convergence.order_verdict import decide
 from mpmverify.convergence.synthetic.kinds import KINDS, Kind, LawInputs, Truth, draw_series
 from mpmverify.convergence.verdict import Verdict
 
@@ -53,7 +54,8 @@ def rate(name: str, kind: Kind, count: int, seed: Sequence[int]) -> Rate:
     found: Counter[Verdict] = Counter()
     for _ in range(count):
         drawn = draw_series(kind, generator)
-        found[verdict(drawn.h, drawn.error, band=(drawn.low, drawn.high), uncertainty=kind.uncertainty)[0]] += 1
+        series = analyse(drawn.h, drawn.error, round_off=kind.round_off, uncertainty=kind.uncertainty)
+        found[decide(series, drawn.low, drawn.high)[0]] += 1
     return rate_of_verdicts(name, kind.truth, found)
 
 
