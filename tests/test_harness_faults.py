@@ -45,6 +45,8 @@ def orders_use_the_sizes(c: ModuleType) -> None:
         same(series.pairwise, order)
         same(series.fit.order, order)
         same(series.fit.constant, 3e-3)
+        fit = c.fit_order(H, 3e-3 * H**order)
+        same([fit.order, fit.constant], [order, 3e-3])
         same(series.h, np.sort(H)[::-1])
         same(series.error, 3e-3 * np.sort(H)[::-1] ** order)
 
@@ -83,6 +85,7 @@ def verdicts_of_series_are_right(c: ModuleType) -> None:
         (np.where(COARSEST, np.inf, H**2), "ERROR"),
         (H**1.82 * [1, 1.05, 0.95, 1, 0.97], "INCONCLUSIVE"),
         (H**2.18 * [1, 1.05, 0.95, 1, 0.97], "INCONCLUSIVE"),
+        (H**2.14 * [1, 1.05, 0.95, 1, 0.97], "INCONCLUSIVE"),
         (H**2 * [1, 2, 1, 2, 1], "INCONCLUSIVE"),
     ):
         assert c.verdict(H, error, band=BAND)[0] == expected, (error, expected)
@@ -111,6 +114,23 @@ def the_finest_levels_of_a_long_ladder_count(c: ModuleType) -> None:
     assert after(2.9, 2.8, 2.65, 2.5, 2.37, 2.27) == "INCONCLUSIVE"
     assert after(2.6, 2.4, 2.23, 2.13, 2.07, 2.03) == "PASS"
     assert after(0.45, 1.82, 2, 2, 2, 2, 2) == "PASS"
+
+
+def the_finest_levels_tell_where_an_order_goes(c: ModuleType) -> None:
+    h = 0.5 ** np.arange(8.0)
+    for error, expected in (
+        (h**2 * [20, 8, 1, 1, 1, 1, 1, 1], "PASS"),
+        (h**2 * (1 + 4 * h), "PASS"),
+        (h[:5] ** 2 * (1 + 6 * h[:5]), "INCONCLUSIVE"),
+        (h[:7] ** 2 + 0.5 * h[6] ** 0.5 * h[:7] ** 1.5, "INCONCLUSIVE"),
+        (np.array([1, 0.25, 0.3]), "FAIL"),
+    ):
+        assert c.verdict(h[: len(error)], error, band=BAND)[0] == expected, (error, expected)
+    three = np.array([1, 1 / 1.4, 1 / 3.92])
+    assert c.verdict(three, [1, 1.4**-1.37, 1.4**-1.37 * 2.8**-0.87], band=(0.69, 1.31))[0] == "INCONCLUSIVE"
+    fine = 1.1 ** -np.arange(12.0)
+    scattered = fine**2 * [1, 1.01, 0.99, 1, 1.01, 0.99, 1, 1.005, 0.995, 1.01, 1, 1.06]
+    assert c.verdict(fine, scattered, band=BAND)[0] == "INCONCLUSIVE"
 
 
 def an_estimate_agrees_with_least_squares(c: ModuleType) -> None:
@@ -430,6 +450,7 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         verdicts_of_series_are_right,
         the_finest_levels_of_a_long_ladder_count,
         an_estimate_agrees_with_least_squares,
+        the_finest_levels_tell_where_an_order_goes,
         the_floor_and_the_order_above_it_are_found,
         errors_below_ten_times_the_uncertainty_of_a_reference_are_not_judged,
         grid_convergence_is_exact_on_power_laws,
@@ -524,6 +545,7 @@ FAULTS = {
     "upper edge alone": Fault(JUDGING, IN_BAND, "if not above.step <= edge:"),
     "outside above does not fail": Fault(JUDGING, "if too_slow or too_fast or grows:", "if too_slow or grows:"),
     "finest steps may leave the band": Fault(JUDGING, "if max(steps) < low or min(steps) > high or not in_band:", "if False:"),
+    "finest level may leave the band": Fault(JUDGING, "if max(below.finest, above.finest) > DOUBTFUL or", "if"),
     "limit may leave the band": Fault(JUDGING, "or max(below.limit, above.limit) > LEAVING:", "or False:"),
     "no expectation passes": Fault(JUDGING, "if band is None and", "if False and"),
     "not finite is inconclusive": Fault(JUDGING, "ERROR, NOT_FINITE\n    if kind", "INCONCLUSIVE, NOT_FINITE\n    if kind"),

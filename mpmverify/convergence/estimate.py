@@ -59,7 +59,7 @@ class Law:
     power: float
     alternates: bool
 
-    def deviation(self, x: Array, level: Array) -> Array:
+    def deviation(self, x: Array, level: np.ndarray) -> Array:
         """Log E less log(A h^p).
 
         Parameters
@@ -171,7 +171,7 @@ class Estimate:
         return Tail(step, finest, limit, float(np.minimum(probability[1], probability[2]) @ self.weight))
 
 
-def laws(x: Array, level: Array) -> tuple[Array, Array, np.ndarray, Array]:
+def laws(x: Array, level: np.ndarray) -> tuple[Array, Array, np.ndarray, Array]:
     """Laws that are weighed.
 
     Parameters

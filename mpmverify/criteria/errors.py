@@ -24,7 +24,7 @@ class ErrorCriterion:
 
 @dataclass(frozen=True)
 class Order(ErrorCriterion):
-    """The fitted order and that of the finest refinement step lie in [low, high].
+    """The order of the finest refinement step, as far as all levels tell it, lies in [low, high].
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ Family = Callable[[Array, Array, float], Hypotheses]
 """From log of the sizes relative to the finest, errors (n,) and the scatter."""
 
 
-def _of(straight: Array, **parts: Array) -> Hypotheses:
+def _of(straight: Array, **parts: np.ndarray) -> Hypotheses:
     straight = np.atleast_2d(straight)
     some = np.ones(len(straight), dtype=bool)
     given = {

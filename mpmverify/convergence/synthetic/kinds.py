@@ -18,6 +18,7 @@ not finite
     A level is NaN or infinite.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
@@ -30,6 +31,8 @@ from mpmverify.convergence.levels import Array
 from mpmverify.convergence.synthetic import laws
 from mpmverify.convergence.synthetic.laws import DrawnOrder, Law, LawInputs
 
+LOG_RATIOS = math.log(1.1), math.log(4.0)
+"""Range of the logarithm of a refinement ratio."""
 SPAN = 4096.0
 """Largest ratio of the coarsest to the finest size."""
 
@@ -155,7 +158,7 @@ def band(generator: np.random.Generator) -> tuple[float, float]:
 def ladder(generator: np.random.Generator, unequal: bool, least: int = 3) -> Array:
     """Draw `least` to twelve sizes, coarsest first."""
     levels = int(generator.integers(least, 13))
-    ratio = np.exp(generator.uniform(*np.log([1.1, 4]), levels - 1))
+    ratio = np.exp(generator.uniform(*LOG_RATIOS, levels - 1))
     if not unequal:
         ratio[:] = 2.0 if generator.random() < 0.6 else ratio[0]
     sizes = 1 / np.cumprod([1.0, *ratio])

@@ -176,10 +176,17 @@ def at_round_off(s: LawInputs, error: Array, least: int, round_off: float = ROUN
     At least `least` levels stay above round-off; if `least` is 0, at most two do.
     """
     levels = len(error)
-    above = int(s.generator.integers(least, levels + 1)) if least else int(s.generator.integers(0, 3))
-    step = error[max(above - 1, 0)] / error[min(above, levels - 1)]
-    last = round_off * max(step, 1.1) ** s.uniform(0.05, 0.95)
-    scaled = error / error[max(above - 1, 0)] * (last if above else 0.5 * round_off)
+    counts = range(least, levels + 1) if least else range(3)
+    smallest = np.minimum.accumulate(np.append(np.inf, error))  # of so many coarse levels
+    largest = np.append(np.maximum.accumulate(error[::-1])[::-1], 0.0)  # of the other ones
+    above = int(s.generator.choice([count for count in counts if smallest[count] > 1.02 * largest[count]]))
+    upper, lower = smallest[above], largest[above]
+    if not above:
+        upper = 4 * lower
+    elif above == levels:
+        lower = upper / 4
+    share = s.uniform(0.05, 0.95)
+    scaled = error * round_off / (upper**share * lower ** (1 - share))
     return np.abs(scaled + noise * s.generator.standard_normal(levels))
 
 
