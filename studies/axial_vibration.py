@@ -63,7 +63,7 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
         else v.orders("L2-max", 1.4, 2.15, v.SPLINE_SOURCE, "velocity", "stress")
     )
     # A series of two terms damps at third order in dt, which on these levels changes to the second order of the leapfrog.
-    drift = (EnergyDrift(1.8, v.ENERGY_SOURCE),) if solver.transfer.terms == 1 else ()
+    drift = (v.drift(solver),) if solver.transfer.terms == 1 else ()
     return (Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE), *fields, *drift)
 
 

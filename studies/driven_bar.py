@@ -48,7 +48,7 @@ def _criteria(solver: Solver) -> tuple[Criterion, ...]:
         Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE),
         Order("velocity", "L2-max", 1.4, 2.15, v.END_SOURCE if solver.basis == "linear" else v.SPLINE_SOURCE),
         Order("stress", "L2-max", low, high, v.STRESS_SOURCE if solver.basis == "linear" else v.SPLINE_SOURCE),
-        EnergyDrift(1.8, v.ENERGY_SOURCE),
+        v.drift(solver),
     )
 
 

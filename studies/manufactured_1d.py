@@ -69,13 +69,13 @@ def _converges(solver: Solver) -> tuple[Criterion, ...]:
         fields = v.orders("L2-max", 0.9, 2.1, v.BLEND_SOURCE, "displacement", "velocity")
         return (*fields, Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE))
     displacement = Order("displacement", "L2-max", 1.85, 2.15, v.MPM_SOURCE)
-    energy = EnergyDrift(1.8, v.ENERGY_SOURCE)
+    energy = v.drift(solver)
     if solver.basis == "linear":
         velocity: Criterion = Order("velocity", "L2-max", 1.85, 2.15, v.MPM_SOURCE)
         if solver.formulation == "updated":
             velocity = Size("velocity", "L2-max", 2e-4, 2e-3, STRAIN_SOURCE)
         return (displacement, velocity, Order("stress", "L2-max", 0.9, 1.2, v.STRESS_SOURCE), energy)
-    return (displacement, *v.orders("L2-max", 1.4, 2.15, v.SPLINE_SOURCE, "velocity", "stress"), energy)
+    return (displacement, *v.orders("L2-max", 1.35, 2.15, v.SPLINE_SOURCE, "velocity", "stress"), energy)
 
 
 TOTAL: tuple[Solver, ...] = tuple(solver for solver in v.MPM if solver.formulation == "total")
