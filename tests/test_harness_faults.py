@@ -492,7 +492,7 @@ FITS, SERIES, JUDGING = "convergence/fits.py", "convergence/series.py", "converg
 ESTIMATE, PRIOR = "convergence/estimate.py", "STRAIGHT, FURTHER_TERM, ALTERNATING = 0.6, 0.3, 0.1"
 GCI, LEVELS, REFERENCE = "convergence/gci.py", "convergence/levels.py", "convergence/reference.py"
 FIT_LOGARITHMS = "x, y = np.log(h), np.log(error)\n    dx"
-STUDENT = "float(stdtrit(len(h) - 2, 0.5 + confidence / 2))"
+STUDENT = "student_quantile(len(h) - 2, confidence)"
 SUMS, HISTORIES, OUTCOMES = "criteria/field_sums.py", "criteria/histories.py", "criteria/outcomes.py"
 ERRORS = "criteria/errors.py"
 NORMS, EVIDENCE, VERDICT = "criteria/norms.py", "criteria/evidence.py", "convergence/verdict.py"
@@ -513,7 +513,7 @@ FAULTS = {
     "absolute value of a pairwise order": Fault(FITS, "np.append(np.nan, np.diff(log_error)", "np.append(np.nan, -abs(np.diff(log_error))"),
     "fit through the origin": Fault(FITS, "dx = x - x.mean()", "dx = x"),
     "normal distribution": Fault(FITS, STUDENT, "1.959964"),
-    "one-sided interval": Fault(FITS, STUDENT, "float(stdtrit(len(h) - 2, confidence))"),
+    "one-sided interval": Fault(FITS, STUDENT, "student_quantile(len(h) - 2, 2 * confidence - 1)"),
     "one degree of freedom too many": Fault(FITS, "/ (len(h) - 2) / sxx", "/ (len(h) - 1) / sxx"),
     "standard error of the residual": Fault(FITS, "/ (len(h) - 2) / sxx", "/ (len(h) - 2)"),
     "interval of half the width": Fault(FITS, "order + half_width, constant)", "order, constant)"),
