@@ -148,13 +148,15 @@ class Estimate:
         low, high = quantiles.min(axis=1), quantiles.max(axis=1)
         for _ in range(BISECTIONS):
             middle = (low + high) / 2
-            below = np.array([self.step_below(order) for order in middle]) < tails
+            below = self.step_below(middle) < tails
             low, high = np.where(below, middle, low), np.where(below, high, middle)
         return min(float(low[0]), self.order), max(float(high[1]), self.order)
 
-    def step_below(self, order: float) -> float:
-        """Probability that the order of the finest step lies below a value."""
-        return float(student_probability(self.freedom, (order - self.limit - self.step) / self.error) @ self.weight)
+    def step_below(self, order: Array | float) -> Array:
+        """Probability that the order of the finest step lies below a value, or each of several (m,)."""
+        away = (np.asarray(order)[..., None] - self.limit - self.step) / self.error
+        probability: Array = student_probability(self.freedom, away) @ self.weight
+        return probability
 
     def below(self, order: float) -> Tail:
         """Probabilities that the order lies below a value."""
