@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mpmverify.convergence.estimate import Estimate, estimate
+from mpmverify.convergence.estimate import SCATTER, Estimate, estimate
 from mpmverify.convergence.fits import CONFIDENCE, Fit, FloorFit, fit_order, pairwise_orders, significant_floor
 from mpmverify.convergence.levels import Array, Numbers, by_size, levels
 from mpmverify.errors import UsageError
@@ -188,7 +188,10 @@ def analyse(
         return result(kind, kept, dropped)
 
     found = estimate(h[kept], error[kept])
-    rough = np.flatnonzero(kept)[: found.start]
+    # A floor that the errors of all levels show is no reason to call the coarse ones rough.
+    floor = significant_floor(*by_size(h[kept], error[kept]))
+    shown = floor is not None and floor.residual < SCATTER
+    rough = np.flatnonzero(kept)[: 0 if shown else found.start]
     times = error[kept] / found.predict(h[kept])
     dropped += [
         f"{size}={h[k]:g}: pre-asymptotic ({share:.2g} times what the finer levels predict)"
@@ -196,9 +199,8 @@ def analyse(
     ]
     kept[rough] = False
     used, means = by_size(h[kept], error[kept])
-    floor = significant_floor(used, means)
-    if floor is not None and found.below(FLAT).limit <= 0.5:
-        floor = None
+    if not shown:
+        floor = significant_floor(used, means) if found.below(FLAT).limit > 0.5 else None
     order, tail = found.order, 0.5 - confidence / 2
     grows = pairwise_orders(used, means)[-1] < -FLAT and means[-1] > GROWTH * means[-2]
     wide = VAGUE * max(1.0, abs(order))
