@@ -60,7 +60,7 @@ STUDY = Study(
             ),
             shown="displacement",
             ladder=_ladder((16, 24, 32, 40, 48, 64), 6),
-            margin=0.25,
+            margin=0.3,
         ),
     ),
 )

@@ -36,7 +36,7 @@ UNMODIFIED_RUNS = {"quick": 4, "full": 50}
 """Number of runs of the unmodified solvers."""
 CODE = ("mpmverify.execution.evaluation", "mpmverify.judgement.judging", "mpmverify.selftest.fault_judge")
 """Modules that judge a fault: their source text is part of the content keys."""
-RANDOM_SERIES = {"quick": 13_500, "full": 270_000}
+RANDOM_SERIES = {"quick": 9_800, "full": 196_000}
 """Number of random error series whose verdicts are checked."""
 SEED = 11
 COMPILATION = {"NUMBA_OPT": "1"}
