@@ -127,6 +127,7 @@ STUDY = Study(
             ),
             shown="displacement",
             ladder=Refinement(ladder_label(0.2, 8), tuple(Discretisation(1 / n, 0.2, 8) for n in (8, 12, 16, 24, 32)), 5),
+            margin=0.3,  # while particles cross cells, orders scatter
         ),
         Case(
             "poisson",

@@ -1,6 +1,6 @@
 """P and S waves in two and three dimensions: small strain, plane stress, viscous laws, and every hyperelastic law."""
 
-from mpmverify.criteria import EnergyDrift, Order
+from mpmverify.criteria import EnergyDrift, Order, Size
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.expectations import MARGIN
 from mpmverify.exact import VerificationProblem
@@ -56,6 +56,14 @@ VISCOUS_SOURCE = (
 )
 VELOCITY = Order("velocity", "L2-max", 1.8, 2.2, v.MPM_SOURCE)
 FREE = Order("velocity", "L2-max", 1.4, 2.2, SURFACE_SOURCE)
+SIZE = Size(
+    "displacement",
+    "L2-max",
+    0.0122,
+    0.015,
+    "own measurement, to a tenth: a time that runs 1 % too fast hides in the order of so few cells",
+    1 / 32,
+)
 DRIFT, HEAT = EnergyDrift(1.8, v.ENERGY_SOURCE), EnergyDrift(0.8, VISCOUS_SOURCE + v.ENERGY_SOURCE)
 
 
@@ -78,11 +86,12 @@ def _on(
     power: int = 0,
     velocity: Order = VELOCITY,
     drift: EnergyDrift = DRIFT,
+    further: tuple[Criterion, ...] = (),
 ) -> Series:
     """Return a series; `courant` is the Courant number of the coarsest level, from which it falls as h to some power."""
     levels = tuple(Discretisation(1 / count, courant * (cells[0] / count) ** power, ppc) for count in cells)
     label = ladder_label(courant, ppc) + (f", nu_C ~ h^{power}" if power else "")
-    return Series(solver, Refinement(label, levels, len(levels) - 1), _criteria(solver, ppc, velocity, drift))
+    return Series(solver, Refinement(label, levels, len(levels) - 1), (*_criteria(solver, ppc, velocity, drift), *further))
 
 
 def _case(
@@ -108,7 +117,12 @@ STUDY = Study(
         _case("periodic", periodic_waves(ELASTIC), _on(UPDATED, FINE)),
         _case("free", lame_mode(ELASTIC, periods=0.8), _on(UPDATED, (16, 24, 32, 48, 64), 2, velocity=FREE)),
         _case("cuboid", slip_box(ELASTIC, 3, periods=0.8), _on(UPDATED, CUBOID)),
-        _case("clamped-cuboid", clamped_layer(ELASTIC, 3, periods=0.8), _on(LAST, (16, 20, 24, 32, 40)), margin=0.2),
+        _case(
+            "clamped-cuboid",
+            clamped_layer(ELASTIC, 3, periods=0.8),
+            _on(LAST, (16, 20, 24, 32, 40), further=(SIZE,)),
+            margin=0.2,
+        ),
         _case(
             "kelvin-voigt",
             slip_box(VISCOUS),
