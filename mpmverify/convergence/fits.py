@@ -105,11 +105,11 @@ def fit_floor(h: Array, error: Array) -> FloorFit:
 
     Notes
     -----
-    The relative residual is linear in E0 and A at a fixed p, which is searched on a grid that is refined twice.
+    The relative residual is linear in E0 and A at a fixed p, which is searched on a grid that is refined three times.
     """
     unit, size = h.max(), error.max()
     orders = np.linspace(0.1, 8.0, 80)
-    for _ in range(3):
+    for _ in range(4):
         powers = (h / unit) ** orders[:, None]
         floor, constant = _weighted_pair(np.ones_like(powers), powers, size / error)
         misfit = np.sum(((floor[:, None] + constant[:, None] * powers) * size / error - 1) ** 2, axis=1)
