@@ -127,6 +127,7 @@ def _weighted_pair(one: Array, other: Array, weight: Array) -> tuple[Array, Arra
     u, v = one * weight, other * weight
     uu, uv, vv, u1, v1 = (np.sum(t, axis=1) for t in (u * u, u * v, v * v, u, v))
     determinant = uu * vv - uv**2
+    determinant = np.where(determinant > 0, determinant, np.inf)  # columns that round-off makes parallel fit nothing
     a, b = (u1 * vv - v1 * uv) / determinant, (v1 * uu - u1 * uv) / determinant
     return np.where(b < 0, u1 / uu, np.where(a < 0, 0, a)), np.where(a < 0, v1 / vv, np.where(b < 0, 0, b))
 
