@@ -158,7 +158,7 @@ class Still:
     """Solver of a bar that never moves."""
 
     name = "still"
-    orders = {"displacement": 2.0}  # noqa: RUF012
+    orders = {"displacement": 2.0}  # noqa: RUF012 - as plain as its author would write it
     conserves = frozenset({"momentum"})
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
