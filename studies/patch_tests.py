@@ -3,11 +3,13 @@
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 
+import numpy as np
+
 from mpmverify.criteria import Order, Reproduced, Size
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
-from mpmverify.exact.homogeneous import rotation, shear, stretch
+from mpmverify.exact.homogeneous import RATE, SHEARED, rotation, shear, stretch
 from mpmverify.exact.rigid_motion import CELL, CLEAR, ON_EDGES, SPEED, flight, parting
 from mpmverify.problem import Discretisation, LinearElastic
 from mpmverify.solution import Solver
@@ -38,11 +40,11 @@ HOMOGENEOUS_SOURCE = (
     "every node, so that its velocity is that of its place, and a uniform stress has no net force there"
 )
 MOVED_SOURCE = (
-    "own derivation: particles that moved by t L x lie symmetrically about a node up to t L, so that its velocity is off by O((t L)^2) "
-    "of that of its place; domains add the part of it that their stretch is behind"
+    "own derivation: particles that moved by t L x lie symmetrically about a node up to t L, so that the velocity gradient is off by "
+    "O((t |L|)^2) |L|; domains add the part of it that their stretch is behind"
 )
 FIRST_SOURCE = (
-    "own derivation: USF takes the gradient of old velocities over new positions, L (I - dt L), which is off by O(t L)"
+    "own derivation: USF takes the gradient of old velocities over new positions, L (I - dt L), which is off by O(t |L|) |L|"
 )
 CLAMPED_SOURCE = (
     "own derivation: the lumped mass of the second function at a clamped end has its centre away from its node, for quadratic ones and two "
@@ -85,7 +87,10 @@ def _is_quick(solver: MaterialPoint, dimension: int) -> bool:
 
 
 def _series(solver: Solver, criteria: tuple[Criterion, ...], quick: bool, ppc: int = 2) -> Series:
-    return Series(solver, Refinement(f"{ppc} ppc", (Discretisation(CELL, COURANT, ppc),), int(quick)), criteria)
+    # The full mass of FMPM, approximately inverted, raises the frequencies of nodes of small mass: round-off grows at the usual step.
+    full_mass = isinstance(solver, MaterialPoint) and solver.transfer.full_mass and solver.basis == "linear"
+    level = Discretisation(CELL, COURANT / 2 if full_mass else COURANT, ppc)
+    return Series(solver, Refinement(f"{ppc} ppc", (level,), int(quick)), criteria)
 
 
 def _rigid_case(
@@ -129,25 +134,25 @@ def _rigid_cases(dimension: int) -> Iterator[Case]:
 
 def _inside(solver: MaterialPoint | Textbook, problem: VerificationProblem) -> tuple[Criterion, ...]:
     """A homogeneous motion, away from the surface; the stress is compared with that of the largest strain rate."""
-    end = problem.problem.end_time
+    dimension, end = problem.problem.dimension, problem.problem.end_time
+    rate, inside = float(np.linalg.norm(RATE[:dimension, :dimension])), (SHEARED[dimension] - 2) * CELL
     strain = 1.0 * end
     bound, source = 1e-12, HOMOGENEOUS_SOURCE
     if solver.formulation == "updated":
-        bound, source = (2 * strain, FIRST_SOURCE) if solver.schedule == "USF" else (5 * strain**2, MOVED_SOURCE)
+        usf = solver.schedule == "USF"
+        bound, source = (2 * strain * rate**2, FIRST_SOURCE) if usf else (5 * strain**2 * rate**3, MOVED_SOURCE)
         if solver.basis == "cpdi":
             bound, source = strain, MOVED_SOURCE
     return (
-        Reproduced("displacement", CELL, max(1e-12, bound * strain), source, inside=INSIDE),
-        Reproduced("velocity", 1.0, bound, source, inside=INSIDE),
-        Reproduced("stress", MODULUS * strain, bound, source, inside=INSIDE),
+        Reproduced("displacement", CELL, max(1e-12, bound * strain), source, inside=inside),
+        Reproduced("velocity", 1.0, bound, source, inside=inside),
+        Reproduced("stress", MODULUS * strain, bound, source, inside=inside),
         v.MASS,
     )
 
 
 START = 0.5
 """Accepted difference from declared orders where particles start without an affine velocity at a free surface."""
-INSIDE = 12 * CELL
-"""Depth of what is judged of a sheared block: what its surface does comes less far."""
 
 
 def _homogeneous_cases(dimension: int) -> Iterator[Case]:
@@ -180,7 +185,7 @@ def _rotation_case(dimension: int) -> Case:
     problem = rotation(dimension)
     cells = (16, 24, 32, 48, 64) if dimension == 2 else (12, 16, 20, 24, 32)
     displacement = Order("displacement", "L2-max", 1.8, 2.25, ROTATION_SOURCE)
-    stress = Order("stress", "L2-max", 0.9, 2.1, ROTATION_SOURCE)
+    stress = Order("stress", "L2-max", 0.9, 2.25, ROTATION_SOURCE)
     slow, fast = (Order("velocity", "L2-max", *band, ROTATION_SOURCE) for band in ((1.2, 1.75), (1.7, 2.2)))
     size = Size(
         "displacement",

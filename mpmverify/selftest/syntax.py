@@ -133,12 +133,13 @@ class Source:
     # Numerical code.
 
     def numerical(self) -> Iterator[ast.AST]:
-        """Yield the syntax nodes of the functions that compute results."""
+        """Yield the syntax nodes of the functions that compute results; one that returns a text computes a message."""
         for node in ast.walk(self.tree):
             if (
                 not isinstance(node, ast.FunctionDef)
                 or isinstance(self.parent[node], ast.FunctionDef)
                 or node.name in DESCRIPTIVE
+                or (isinstance(node.returns, ast.Name) and node.returns.id == "str")
             ):
                 continue
             for statement in node.body:
