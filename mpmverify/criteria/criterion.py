@@ -1,14 +1,16 @@
 """Protocol of a criterion: it measures quantities on each solution and judges the evidence of a series."""
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any, ClassVar, Protocol
+from dataclasses import dataclass, fields, is_dataclass
+from numbers import Real
+from typing import Any, ClassVar, Protocol, get_type_hints
 
 from mpmverify.convergence.verdict import Judgement
 from mpmverify.criteria.evidence import Evidence
 from mpmverify.criteria.norms import NORMS
 from mpmverify.exact import VerificationProblem
-from mpmverify.problem import Discretisation
+from mpmverify.problem import UNITS, Discretisation
 from mpmverify.solution import Solution
 
 
@@ -47,6 +49,25 @@ def measurement(criterion: Criterion) -> dict[str, Any]:
     # Every criterion is a dataclass; a protocol cannot express that.
     named = (entry.name for entry in fields(criterion))  # type: ignore[arg-type]
     return {name: getattr(criterion, name) for name in named if name not in JUDGED}
+
+
+def misdeclared(criterion: Any) -> str:
+    """Say which field of a criterion has a value that it cannot have; "" when none has."""
+    if not is_dataclass(criterion) or isinstance(criterion, type):
+        return f"{criterion!r} is no criterion: see mpmverify.criteria"
+    kinds = get_type_hints(type(criterion))
+    for entry in fields(criterion):
+        name, value, kind = entry.name, getattr(criterion, entry.name), kinds[entry.name]
+        where = f"{name} of the criterion {type(criterion).__name__} is {value!r}"
+        if kind is float and (not isinstance(value, Real) or isinstance(value, bool) or math.isnan(value)):
+            return f"{where}, and must be a number"
+        if kind is str and not isinstance(value, str):
+            return f"{where}, and must be a text"
+        if name == "quantity" and value not in UNITS:
+            return f"{where}: choose from {', '.join(UNITS)}"
+        if name == "norm" and value not in NORMS:
+            return f"{where}: choose from {', '.join(NORMS)}"
+    return ""
 
 
 class OnOutcomes:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.criteria import Order, Separated
-from mpmverify.criteria.criterion import Criterion
+from mpmverify.criteria.criterion import Criterion, misdeclared
 from mpmverify.criteria.evidence import SeriesId
 from mpmverify.criteria.expectations import MARGIN, expectations
 from mpmverify.criteria.norms import NORMS
@@ -19,11 +19,22 @@ from mpmverify.study.refinement import Refinement
 
 @dataclass(frozen=True)
 class Series:
-    """One solver on one ladder, with the criteria that its results must meet."""
+    """One solver on one ladder, with the criteria that its results must meet.
+
+    Raises
+    ------
+    UsageError
+        If a field of a criterion has a value that it cannot have.
+    """
 
     solver: Solver
     refinement: Refinement
     criteria: tuple[Criterion, ...]
+
+    def __post_init__(self) -> None:
+        for criterion in self.criteria:
+            if wrong := misdeclared(criterion):
+                raise UsageError(wrong)
 
 
 @dataclass(frozen=True)
