@@ -58,6 +58,24 @@ class Outcome:
         return "; ".join(part for part in parts if part)
 
 
+class RunError(Exception):
+    """A run that failed without a solution: raised by `Solver.solve`, its outcome becomes that of the run.
+
+    Parameters
+    ----------
+    status : Status
+    detail, advice : str
+        See `Outcome`.
+    """
+
+    def __init__(self, status: Status, detail: str, advice: str = "") -> None:
+        super().__init__(status, detail, advice)
+        self.outcome = Outcome(status, detail, advice)
+
+    def __str__(self) -> str:
+        return self.outcome.detail
+
+
 @dataclass(frozen=True)
 class Work:
     """Cost of a run: steps, point-steps (particles or elements times steps) and wall time without compilation [s]."""
@@ -212,4 +230,6 @@ class Solver(Protocol):
         ------
         UsageError
             If the solver does not accept the problem or the discretisation.
+        RunError
+            If the run failed and left no solution.
         """

@@ -65,6 +65,8 @@ def check(words: list[str]) -> None:
     elif rest[:1] == ["-m"] and rest[1].startswith("mpmverify."):
         known = subprocess.run([sys.executable, "-m", rest[1], "--help"], capture_output=True, text=True, check=True)
         assert {word for word in rest if word.startswith("--")} <= set(re.findall(r"--[\w-]+", known.stdout))
+    elif program == "cc":
+        assert all((ROOT / "mpmverify/adapters/templates" / word).is_file() for word in rest if word.endswith(".c"))
     else:
         assert program == "python"
         (script,) = rest

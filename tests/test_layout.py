@@ -59,6 +59,8 @@ def modules() -> dict[str, Path]:
     found = {}
     for package, folder in MAPPED.items():
         for path in sorted((ROOT / folder).rglob("*.py")):
+            if path.parent.name == "templates":  # what `mpmverify new` writes is a reader's code
+                continue
             parts = path.relative_to(ROOT / folder).with_suffix("").parts
             found[".".join((package, *parts)).removesuffix(".__init__")] = path
     return found

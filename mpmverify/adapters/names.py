@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from mpmverify.adapters.bench_file import BENCH_SUFFIX, read_bench
 from mpmverify.errors import UsageError
 from mpmverify.execution.contract import lacking
 from mpmverify.execution.evaluation import place
@@ -33,15 +34,17 @@ def own_study(name: str) -> Study:
 
 
 def own_solver(name: str) -> Solver:
-    """Return the solver with a name, or an instance of the class with that name.
+    """Return the solver with a name, an instance of the class with that name, or the one that a file `bench.toml` describes.
 
     Raises
     ------
     UsageError
         If it cannot be imported, is a class that needs arguments, or lacks an attribute of a `Solver`.
     """
+    if name.endswith(BENCH_SUFFIX):
+        return read_bench(Path(name))
     if ":" not in name:
-        raise UsageError(f"{name!r} names no solver: give FILE.py:NAME or MODULE:NAME")
+        raise UsageError(f"{name!r} names no solver: give FILE.py:NAME, MODULE:NAME or a file bench.toml")
     solver = _named(name, "solver")
     if isinstance(solver, type):
         try:

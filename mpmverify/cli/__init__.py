@@ -13,7 +13,9 @@ from mpmverify.cli.cleaning import clean
 from mpmverify.cli.gci import gci
 from mpmverify.cli.group import Group
 from mpmverify.cli.judge import judge
+from mpmverify.cli.new import new
 from mpmverify.cli.options import EPILOG
+from mpmverify.cli.problem import problem
 from mpmverify.cli.reading import baseline, compare, gate, report
 from mpmverify.cli.solving import list_, run, selftest
 
@@ -24,7 +26,7 @@ def cli() -> None:
     """Prove that a wave solver is right: convergence studies, accuracy gates and reports."""
 
 
-for command in (list_, run, gate, report, compare, baseline, judge, gci, selftest, clean):
+for command in (list_, run, gate, report, compare, baseline, judge, gci, selftest, clean, problem, new):
     cli.add_command(command)
 
 

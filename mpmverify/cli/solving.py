@@ -44,7 +44,13 @@ def list_(studies: tuple[str, ...]) -> None:
 @click.option("--scheduler", default="", metavar="ADDRESS", help="Run on a dask.distributed scheduler.")
 @click.option("--tier", type=click.Choice(["quick", "full"]), default="quick", show_default=True, help="How many levels.")
 @click.option("--solver", "solvers", multiple=True, metavar="NAME", help="Run this solver alone; may be repeated.")
-@click.option("--with", "own", default="", metavar="FILE.py:NAME", help="Judge this solver of yours by what it declares.")
+@click.option(
+    "--with",
+    "own",
+    default="",
+    metavar="FILE.py:NAME",
+    help="Judge this solver of yours by what it declares; or a file bench.toml that describes a program or its results.",
+)
 @click.option("--courant", type=float, callback=positive, help="Run every level at this Courant number instead.")
 @click.option("--timeout", type=float, callback=positive, default=600.0, show_default=True, help="Limit for one run [s].")
 @click.option("--no-cache", is_flag=True, help="Solve again what is already solved.")
@@ -87,9 +93,7 @@ def run(
         reuse=not no_cache,
         scheduler=scheduler,
     )
-    chosen = _chosen(studies, solvers, courant)
-    if own:
-        chosen = _judging(own, chosen, plan)
+    chosen = _judging(own, studies, solvers, courant, plan) if own else _chosen(studies, solvers, courant)
     names = [study.name for study in chosen]
     findings: list[Finding] = []
     solved = reused = 0
@@ -147,25 +151,31 @@ def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, expl
 
 def _chosen(names: Sequence[str], solvers: tuple[str, ...], courant: float | None) -> "list[Study]":
     from mpmverify import studies
-    from mpmverify.adapters.names import is_own, own_study
 
-    declared = [own_study(name) if is_own(name) else studies.get(name) for name in dict.fromkeys(names or studies.NAMES)]
-    known = {solver for study in declared for solver in study.solvers()}
+    found = [declared(name) for name in dict.fromkeys(names or studies.NAMES)]
+    known = {solver for study in found for solver in study.solvers()}
     for solver in solvers:
         if solver not in known:
             raise UsageError(f"unknown solver {solver!r}: choose from {', '.join(sorted(known))}")
-    restricted = [study.restricted(solvers, courant) for study in declared]
+    restricted = [study.restricted(solvers, courant) for study in found]
     return [study for study in restricted if study.cases]
 
 
-def _judging(name: str, studies: "Sequence[Study]", plan: "Plan") -> "list[Study]":
+def _judging(name: str, studies: Sequence[str], solvers: tuple[str, ...], courant: float | None, plan: "Plan") -> "list[Study]":
     """Studies that judge a solver by what it declares; says which cases are left out, and why."""
+    from mpmverify.adapters.files import Files
     from mpmverify.adapters.names import own_solver
     from mpmverify.execution.refusals import without_refused
 
     solver, chosen = own_solver(name), []
+    if isinstance(solver, Files):
+        if studies or solvers or courant is not None:
+            raise UsageError(f"'{name}' says what was exported: leave out studies, --solver and --courant")
+        wanted = [solver.study(declared)]
+    else:
+        wanted = _chosen(studies, solvers, courant)
     reason = f"no study can judge {solver.name!r}"
-    for study in studies:
+    for study in wanted:
         try:
             kept, refused = without_refused(study.with_solver(solver), solver, plan)
         except UsageError as error:
@@ -177,3 +187,11 @@ def _judging(name: str, studies: "Sequence[Study]", plan: "Plan") -> "list[Study
     if not chosen:
         raise UsageError(reason)
     return chosen
+
+
+def declared(name: str) -> "Study":
+    """Return a shipped study, or one of own code, by name."""
+    from mpmverify import studies
+    from mpmverify.adapters.names import is_own, own_study
+
+    return own_study(name) if is_own(name) else studies.get(name)

@@ -23,7 +23,7 @@ from mpmverify.exact import VerificationProblem
 from mpmverify.execution.contract import breach, confirmed, malformed, plain
 from mpmverify.execution.keys import canonical, digest, in_library
 from mpmverify.problem import Discretisation
-from mpmverify.solution import Outcome, Solution, Solver, Status
+from mpmverify.solution import Outcome, RunError, Solution, Solver, Status
 
 SHOWN_OUTPUTS, SHOWN_SAMPLES = 33, 257
 """Largest numbers of output times and of samples of the histories that are kept of a run that the pages show."""
@@ -140,9 +140,9 @@ def run_key(
     return digest(SCHEMA, problem.problem, problem.exact, solver, discretisation, sorted(measured), code=code)
 
 
-def failed(task: Task, status: Status, detail: str, seconds: float = 0.0) -> Evaluated:
+def failed(task: Task, status: Status, detail: str, seconds: float = 0.0, advice: str = "") -> Evaluated:
     """Result of a run without a solution: it crashed or timed out. Nothing is stored, so that the run is tried again."""
-    return Evaluated(_level(task, Outcome(status, plain(detail))), solved=True, seconds=seconds)
+    return Evaluated(_level(task, Outcome(status, plain(detail), plain(advice))), solved=True, seconds=seconds)
 
 
 def evaluate(task: Task) -> Evaluated:
@@ -177,6 +177,8 @@ def _evaluated(task: Task) -> Evaluated:
         return Evaluated(level_of(task, run), _snapshots(task, run.solution) if task.shown else None, solved)
     except MpmverifyError:
         raise
+    except RunError as error:
+        return failed(task, error.outcome.status, error.outcome.detail, advice=error.outcome.advice)
     except (Exception, SystemExit) as error:  # a solver under test may raise anything; the other runs must still finish
         return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({place(error)})")
 

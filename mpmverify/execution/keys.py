@@ -26,7 +26,7 @@ def digest(*parts: Any, code: Iterable[str] = ()) -> str:
     Parameters
     ----------
     *parts : object
-        Values: numbers, strings, frozen dataclasses, functions of a module, paths of files, and tuples and mappings of them. A path
+        Values: numbers, strings, frozen dataclasses, functions of a module, paths of files, and tuples, sets and mappings of them. A path
         stands for the name and the bytes of its file, such as a program that a solver calls.
     code : iterable of str
         Further modules that the result depends on, beside those of the classes of the parts.
@@ -73,6 +73,8 @@ def canonical(value: Any, modules: set[str]) -> Any:
         return {str(name): canonical(entry, modules) for name, entry in value.items()}
     if isinstance(value, tuple | list):
         return [canonical(entry, modules) for entry in value]
+    if isinstance(value, frozenset):
+        return ["set", *sorted((canonical(entry, modules) for entry in value), key=json.dumps)]
     if isinstance(value, FunctionType) and value.__closure__ is None and "<" not in value.__qualname__:
         modules.add(value.__module__)
         return f"{value.__module__}.{value.__qualname__}"
