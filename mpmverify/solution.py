@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from mpmverify.problem import Array, Discretisation, Problem
-from mpmverify.problem.quantities import UNITS
+from mpmverify.problem.quantities import UNITS, components
 
 
 class Status(StrEnum):
@@ -193,7 +193,9 @@ class Solution:
         expected |= {f"history of {name}": shapes["history of time"] for name in self.histories}
         for name, shape in expected.items():
             if shapes[name] != shape or (name in self.fields and len(shape) < 3):
-                return f"{name} has the shape {shapes[name]} beside {outputs} output times and {points} points"
+                if name in self.fields:
+                    shape = (outputs, points, len(components(name, dimension)) if 1 <= dimension <= 3 else 0)
+                return f"{name} has the shape {shapes[name]}, expected {shape} of {outputs} output times and {points} points"
         return ""
 
 

@@ -9,6 +9,7 @@ from typing import NoReturn
 import click
 
 from mpmverify import __version__
+from mpmverify.cli.check import check
 from mpmverify.cli.cleaning import clean
 from mpmverify.cli.gci import gci
 from mpmverify.cli.group import Group
@@ -26,7 +27,7 @@ def cli() -> None:
     """Prove that a wave solver is right: convergence studies, accuracy gates and reports."""
 
 
-for command in (list_, run, gate, report, compare, baseline, judge, gci, selftest, clean, problem, new):
+for command in (list_, run, gate, report, compare, baseline, judge, gci, selftest, clean, problem, new, check):
     cli.add_command(command)
 
 

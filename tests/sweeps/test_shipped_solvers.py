@@ -1,4 +1,7 @@
-"""Every shipped solver passes `verify` by its defaults on every case on which its study expects that it converges."""
+"""Every shipped solver passes `verify` by its defaults on every case on which its study expects that it converges.
+
+And `check` finds nothing wrong with it there.
+"""
 
 from collections.abc import Iterator
 from typing import Any
@@ -6,6 +9,7 @@ from typing import Any
 import pytest
 
 from mpmverify import studies
+from mpmverify.adapters.check import check
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Order, Separated
 from mpmverify.execution.verify import verify
@@ -27,3 +31,9 @@ def test_every_shipped_solver_passes_by_the_defaults_where_its_study_expects_tha
 ) -> None:
     found = verify(solver, studies.get(study), case)
     assert {finding.verdict for finding in found} == {Verdict.PASS}, [str(finding) for finding in found]
+
+
+@pytest.mark.parametrize(("study", "case", "solver"), list(converging()))
+def test_nothing_is_found_in_a_shipped_solver(study: str, case: str, solver: Solver) -> None:
+    (where,) = (one for one in studies.get(study).cases if one.name == case)
+    assert check(solver, where) == []

@@ -1,0 +1,49 @@
+"""The command `check`: a first look at a solver."""
+
+import sys
+
+import click
+
+from mpmverify.errors import UsageError
+
+CASES = 3
+"""Number of cases that are tried unless studies are named."""
+
+
+@click.command(epilog="Exit status: 0 nothing found, 1 something is wrong, 2 usage, 3 a run failed.")
+@click.argument("solver", metavar="SOLVER")
+@click.argument("studies", metavar="[STUDY]...", nargs=-1)
+def check(solver: str, studies: tuple[str, ...]) -> None:
+    """Say what is wrong with the solutions of a SOLVER before any order is measured, and the likely cause.
+
+    SOLVER is FILE.py:NAME, MODULE:NAME, or a file bench.toml. Two coarse levels are solved of each case of the STUDY, or of the first
+    cases that it takes.
+    """
+    from mpmverify import studies as shipped
+    from mpmverify.adapters.check import check as found_in
+    from mpmverify.adapters.files import Files
+    from mpmverify.adapters.names import own_solver
+    from mpmverify.cli.solving import declared
+
+    own = own_solver(solver)
+    wanted = [own.study(declared)] if isinstance(own, Files) else [declared(name) for name in studies or shipped.NAMES]
+    looked = wrong = crashed = 0
+    refusal = ""
+    for study in wanted:
+        for case in study.cases:
+            if looked == CASES and not studies:
+                break
+            try:
+                remarks = found_in(own, case)
+            except UsageError as error:
+                refusal = str(error)
+                continue
+            looked += 1
+            click.echo(f"{study.name}, {case.name}: {'nothing found' if not remarks else ''}")
+            for remark in remarks:
+                click.echo(f"  WRONG: {remark.what}." + (f"\n         Likely cause: {remark.cause}." if remark.cause else ""))
+            wrong, crashed = wrong + len(remarks), crashed + sum(remark.crashed for remark in remarks)
+    if not looked:
+        raise UsageError(refusal)
+    click.echo(f"{looked} cases looked at, {wrong} remarks. Next: mpmverify run --with {solver}")
+    sys.exit(3 if crashed else 1 if wrong else 0)

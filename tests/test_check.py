@@ -1,0 +1,213 @@
+"""A first look at a solver: mistakes planted in right solutions are found with their cause, and right solutions are not."""
+
+import dataclasses
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from mpmverify import studies
+from mpmverify.adapters.check import check
+from mpmverify.cli import cli
+from mpmverify.errors import UsageError
+from mpmverify.problem import components
+from mpmverify.solvers.mpm import PIC, MaterialPoint
+from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+
+RIGHT = MaterialPoint("USL", formulation="total")
+
+
+def case(study: str, name: str):
+    (found,) = (one for one in studies.get(study).cases if one.name == name)
+    return found
+
+
+BOX, BAR, RING = case("plane-waves", "box"), case("driven-bar", "loaded-right"), case("generalised-vortex", "0.05 rad")
+
+
+@dataclass(frozen=True)
+class Mistaken:
+    """The right solver, and a mistake in what it returns."""
+
+    mistake: Callable
+    name: str = "mistaken"
+    orders: dict = dataclasses.field(default_factory=lambda: {"displacement": 2})
+    conserves: frozenset = frozenset({"momentum"})
+
+    def solve(self, problem, level):
+        solution = RIGHT.solve(problem, level)
+        return dataclasses.replace(solution, **self.mistake(solution, problem, level))
+
+
+def field(quantity, change):
+    return lambda s, p, at: {"fields": {**s.fields, quantity: change(s.fields[quantity], s, p, at)}}
+
+
+def late(quantity, steps):
+    """Values of the exact field some steps later, as a solver without any error would have them."""
+
+    def change(values, s, p, at):
+        return BOX.problem.exact.fields[quantity](s.reference, s.time + steps * s.dt)
+
+    return field(quantity, change)
+
+
+def history(names, change):
+    return lambda s, p, at: {"histories": {n: change(v) if n in names else v for n, v in s.histories.items()}}
+
+
+def without(*names):
+    return lambda s, p, at: {"histories": {n: v for n, v in s.histories.items() if n not in names}}
+
+
+P_WAVE = 7.0 * (1 - 0.3) / ((1 + 0.3) * (1 - 0.6))
+MISTAKES = {
+    "the sign of stress": (field("stress", lambda f, *_: -f), "the stress is -0.99", "positive in tension"),
+    "units of stress": (field("stress", lambda f, *_: f / 1e6), "the stress is 9.9", "units"),
+    "a wrong modulus": (field("stress", lambda f, *_: f * 7.0 / P_WAVE), "the stress is 0.74", "P waves"),
+    "twice": (field("velocity", lambda f, *_: 2 * f), "the velocity is 2", "counted twice"),
+    "an increment": (field("velocity", lambda f, s, *_: f * s.dt), "the velocity is 0.0", "an increment, not a rate"),
+    "half a step": (late("velocity", -0.5), "the velocity fits the exact one half a step earlier", "return v + a dt/2"),
+    "half a step late": (late("velocity", 0.5), "the velocity fits the exact one half a step later", "return v + a dt/2"),
+    "a step": (late("displacement", 1.0), "the displacement fits the exact one a step later", "the time of another step"),
+    "one array": (
+        field("displacement", lambda f, *_: np.broadcast_to(f[-1], f.shape).copy()),
+        "the displacement is the same at all output times",
+        "store a copy",
+    ),
+    "nothing": (field("stress", lambda f, *_: 0 * f), "the stress is zero at all times", "never updated"),
+    "exchanged": (
+        field("velocity", lambda f, *_: f[..., ::-1].copy()),
+        "velocity_x and velocity_y are exchanged",
+        "velocity_x, velocity_y",
+    ),
+    "shear first": (
+        field("stress", lambda f, *_: f[..., [2, 1, 0]].copy()),
+        "stress_xx and stress_xy are exchanged",
+        "stress_xx",
+    ),
+    "positions at the start": (
+        lambda s, p, at: {"position": np.broadcast_to(s.reference, s.position.shape).copy()},
+        "position - reference differs",
+        "those of the start",
+    ),
+    "impulse of the other sign": (
+        history(("impulse",), lambda v: -v),
+        "momentum does not follow the impulse",
+        "the impulse has the other sign",
+    ),
+    "impulse of one force": (history(("impulse",), lambda v: 0.9 * v), "momentum does not follow", "all external forces"),
+    "momentum of the wrong mass": (
+        history(("momentum_x", "impulse_x"), lambda v: 3 * v + 1.0),
+        "momentum_x is not the sum",
+        "density x volume x velocity",
+    ),
+    "no impulse": (without("impulse_y"), "lacks the history impulse_y", "leave the promise out"),
+    "the field that is declared": (
+        lambda s, p, at: {"fields": {"stress": s.fields["stress"]}},
+        "an order of the displacement and returns none",
+        "leave its order out",
+    ),
+    "volumes of cells": (
+        lambda s, p, at: {"weight": s.weight * at.ppc**2},
+        "its first weights sum to 6",
+        "not of its cell",
+    ),
+    "masses": (lambda s, p, at: {"weight": 2 * s.weight}, "weights sum to 3", "not a mass"),
+    "flat": (field("velocity", lambda f, *_: f[..., 0]), "expected", "has every array with its shape"),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_found_with_its_cause(name):
+    mistake, what, cause = MISTAKES[name]
+    remarks = check(Mistaken(mistake), BAR if "impulse " in name else BOX)
+    assert any(what in remark.what and cause in remark.cause for remark in remarks), remarks
+
+
+@pytest.mark.parametrize(
+    "solver", [RIGHT, MaterialPoint("MUSL"), MaterialPoint("USF", PIC), MaterialPoint("USL", basis="quadratic")]
+)
+@pytest.mark.parametrize("where", [BOX, BAR], ids=lambda one: one.name)
+def test_nothing_is_found_in_a_right_solver(solver, where):
+    assert check(solver, where) == []
+    assert check(TaylorGalerkin(passes=3), BAR) == []
+
+
+def test_an_error_that_no_level_changes_is_found():
+    class Deaf(Mistaken):
+        def solve(self, problem, level):
+            coarsest = BOX.ladder_in_h().levels[0]
+            return dataclasses.replace(RIGHT.solve(problem, dataclasses.replace(level, h=coarsest.h * 2)), dt=1e-3)
+
+    remarks = check(Deaf(None), BOX)
+    assert any("is the same on both levels" in remark.what for remark in remarks), remarks
+
+
+def test_an_exception_comes_with_the_lines_of_its_author():
+    def fails(s, p, at):
+        return {"weight": s.weight[:, : 1 / 0]}
+
+    (remark,) = check(Mistaken(fails), BOX)
+    assert remark.crashed
+    assert "s.weight[:, : 1 / 0]" in remark.what
+    assert "ZeroDivisionError" in remark.what
+    assert "numpy" not in remark.what
+
+
+def test_declarations_are_looked_at_first():
+    orders, conserves = (
+        dataclasses.replace(Mistaken(None), **{name: value}) for name, value in (("orders", 2), ("conserves", "mass"))
+    )
+    assert "orders is 2" in check(orders, BOX)[0].what
+    assert "conserves is 'mass'" in check(conserves, BOX)[0].what
+
+
+def test_a_refusal_is_an_error():
+    with pytest.raises(UsageError, match="cannot solve"):
+        check(TaylorGalerkin(passes=1), RING)
+
+
+MODULE = """
+from mpmverify.solvers.mpm import MaterialPoint
+
+RIGHT = MaterialPoint("USL", formulation="total")
+
+
+class Doubled:
+    name, orders, conserves = "doubled", {"displacement": 2}, frozenset()
+
+    def solve(self, problem, level):
+        import dataclasses
+
+        solution = RIGHT.solve(problem, level)
+        return dataclasses.replace(solution, fields={**solution.fields, "stress": 2 * solution.fields["stress"]})
+
+
+class Raising(Doubled):
+    def solve(self, problem, level):
+        raise KeyError("lost")
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "status", "said"),
+    [
+        ("RIGHT", 0, "box: nothing found"),
+        ("Doubled", 1, "WRONG: the stress is 2 times the exact one"),
+        ("Raising", 3, "KeyError: 'lost'"),
+        ("None", 2, "has no attribute 'None'"),
+    ],
+)
+def test_the_command_says_what_is_wrong(name, status, said, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    (tmp_path / f"checked_{name}.py").write_text(MODULE, encoding="utf-8")
+    result = CliRunner().invoke(cli, ["check", f"checked_{name}.py:{name}", "plane-waves"])
+    assert result.exit_code == status, result.output
+    assert said in " ".join(result.output.split())
+    assert "Traceback" not in result.output
+    assert set(components("stress", 2)) == {"stress_xx", "stress_yy", "stress_xy"}
