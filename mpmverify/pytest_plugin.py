@@ -5,6 +5,7 @@ Every pytest session imports this module. It therefore imports pytest and `mpmve
 
 import argparse
 import tempfile
+import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
 from functools import partial
 from pathlib import Path
@@ -47,6 +48,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--mpmverify-strict", action="store_true", help="Report an inconclusive verdict as failed instead of skipped."
     )
+    group.addoption(
+        "--mpmverify-baseline",
+        metavar="FILE",
+        help="Baseline of the regression gate; by default the shipped one, for shipped studies.",
+    )
+    group.addoption("--mpmverify-no-cache", action="store_true", help="Solve again what is already solved.")
 
 
 def _jobs(text: str) -> int:
@@ -114,7 +121,8 @@ class Studies(pytest.Collector):
                 study = own_study(name) if is_own(name) else studies.get(name)
                 if known.setdefault(study.name, name) != name:
                     raise UsageError(f"{known[study.name]!r} and {name!r} are both named {study.name!r}: rename one")
-                bench = SharedStudy(study, self._plan, partial(self._wanted, study.name), not is_own(name), shared)
+                gated = not is_own(name) or bool(self.config.getoption("mpmverify_baseline"))
+                bench = SharedStudy(study, self._plan, partial(self._wanted, study.name), gated, shared)
                 tree = bench.declared()
                 if not any(titles for cases in tree.values() for ladders in cases.values() for titles in ladders.values()):
                     raise UsageError(f"the study {name!r} has no criterion: declare one for its series")
@@ -136,11 +144,15 @@ class Studies(pytest.Collector):
         from mpmverify.judgement.baseline import read_baseline
 
         option = self.config.getoption
+        own = option("mpmverify_baseline")
+        if own and not (path := Path(self.config.invocation_params.dir, own)).exists():
+            raise UsageError(f"there is no baseline '{own}': make it with `mpmverify baseline accept`, or leave it out")
         return Plan(
             results=Results(_folder(self.config)),
-            baseline=read_baseline(studies.BASELINE, studies.NAMES),
+            baseline=read_baseline(path) if own else read_baseline(studies.BASELINE, studies.NAMES),
             tier=option("mpmverify_tier"),
             jobs=option("mpmverify_jobs") or processors(),
+            reuse=not option("mpmverify_no_cache"),
         )
 
 
@@ -193,6 +205,7 @@ class CriterionItem(pytest.Item):
             pytest.skip(str(self.finding))  # neither passed nor failed
         if self.finding.verdict != "PASS":
             pytest.fail(_explained(self.finding), pytrace=False)
+        self.add_report_section("call", ROOT, str(self.finding))  # `-rP` shows it
 
     def reportinfo(self) -> tuple[Path, None, str]:
         return self.config.rootpath / ROOT, None, " ".join(self.identity)
@@ -214,6 +227,22 @@ def pytest_configure_node(node: Any) -> None:
             config.stash[SHARED] = tempfile.TemporaryDirectory(prefix="mpmverify-")
             config.add_cleanup(config.stash[SHARED].cleanup)
         node.workerinput["mpmverify_shared"] = config.stash[SHARED].name
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    """Write the report of what was judged, and say where it is."""
+    if not _collects(config) or config.getoption("collectonly"):
+        return
+    from mpmverify import reports
+    from mpmverify.dataset.files import Results
+
+    results = Results(_folder(config))
+    try:
+        if results.studies():
+            with warnings.catch_warnings(action="ignore"):  # the filters of the project under test are not for the pages
+                terminalreporter.write_line(f"mpmverify: report in {reports.render(results)}")
+    except MpmverifyError as error:
+        terminalreporter.write_line(f"mpmverify: no report: {error}")
 
 
 # Your own solver.
@@ -261,6 +290,7 @@ def verify(request: pytest.FixtureRequest) -> "Callable[..., tuple[Finding, ...]
         broken = [finding for finding in findings if finding.verdict is not Verdict.PASS]
         if broken or not findings:
             raise AssertionError("\n".join(_explained(finding) for finding in broken) or "nothing was judged")
+        print(*findings, sep="\n")  # `-rP` shows it
         return findings
 
     return check

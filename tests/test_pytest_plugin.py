@@ -8,8 +8,10 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from click.testing import CliRunner
 from faulty_solvers import SECOND_ORDER, Scripted, plan, study
 
+from mpmverify.cli import cli
 from mpmverify.criteria import Stall
 from mpmverify.execution.runner import run
 from mpmverify.execution.shared_study import SharedStudy
@@ -216,6 +218,36 @@ def test_only_selected_items_are_solved(project, journal):
     assert len(list((project.path / "results/runs").glob("*.nc"))) == 3
     outcomes(project.runpytest_inprocess("--deselect", "mpmverify::scripted", *arguments), passed=1, deselected=6)
     assert journal.read_text() == ""
+
+
+def test_a_pass_says_what_was_measured_and_the_report_is_written(project, journal):
+    arguments = ("--mpmverify-out=results", "--mpmverify-jobs=1", "-rP", *studies_of("STUDY"))
+    result = project.runpytest_inprocess("-k", "good", *arguments)
+    result.stdout.fnmatch_lines(
+        ["PASS scripted/hill/scripted-good *: order of u in L2 in *: order 2.0*", "mpmverify: report in *"]
+    )
+    assert (project.path / "results/report/index.html").is_file()
+    assert (project.path / "results/report/scripted.html").is_file()
+
+
+def test_runs_are_solved_again_when_asked(project, journal):
+    arguments = ("--mpmverify-out=results", "--mpmverify-jobs=1", *studies_of("SHORT"))
+    project.runpytest_inprocess(*arguments)
+    first = solved(journal)
+    project.runpytest_inprocess(*arguments)
+    assert solved(journal) == first
+    project.runpytest_inprocess("--mpmverify-no-cache", *arguments)
+    assert solved(journal) == first + first
+
+
+def test_a_baseline_that_is_named_gates_own_studies(project):
+    arguments = ("--mpmverify-out=results", "--mpmverify-jobs=1", "-k", "good", *studies_of("STUDY"))
+    missing = project.runpytest_inprocess("--mpmverify-baseline=none.json", *arguments)
+    missing.stdout.fnmatch_lines(["there is no baseline 'none.json': make it with `mpmverify baseline accept`*"])
+    project.runpytest_inprocess(*arguments)
+    accepted = ["baseline", "accept", "--out", "results", "--baseline", "own.json", "--reason", "first"]
+    assert CliRunner().invoke(cli, accepted).exit_code == 0
+    outcomes(project.runpytest_inprocess("--mpmverify-baseline=own.json", *arguments), passed=3, deselected=7)
 
 
 def test_xdist_workers_solve_a_study_once(project, journal):
