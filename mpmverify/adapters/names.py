@@ -33,6 +33,17 @@ def own_study(name: str) -> Study:
     return study
 
 
+def own_object(name: str) -> Any:
+    """Return the object with a name FILE.py:NAME or MODULE:NAME; None for a name of another form.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be imported.
+    """
+    return _named(name, "object") if ":" in name and not name.endswith(BENCH_SUFFIX) else None
+
+
 def own_solver(name: str) -> Solver:
     """Return the solver with a name, an instance of the class with that name, or the one that a file `bench.toml` describes.
 

@@ -1,31 +1,43 @@
 """The command `check`: a first look at a solver."""
 
 import sys
+from typing import TYPE_CHECKING
 
 import click
 
 from mpmverify.errors import UsageError
+
+if TYPE_CHECKING:
+    from mpmverify.adapters.check import Remark
 
 CASES = 3
 """Number of cases that are tried unless studies are named."""
 
 
 @click.command(epilog="Exit status: 0 nothing found, 1 something is wrong, 2 usage, 3 a run failed.")
-@click.argument("solver", metavar="SOLVER")
+@click.argument("what", metavar="SOLVER|PROBLEM")
 @click.argument("studies", metavar="[STUDY]...", nargs=-1)
-def check(solver: str, studies: tuple[str, ...]) -> None:
-    """Say what is wrong with the solutions of a SOLVER before any order is measured, and the likely cause.
+def check(what: str, studies: tuple[str, ...]) -> None:
+    """Say what is wrong with the solutions of a SOLVER before any order is measured, and the likely cause; or with a PROBLEM.
 
-    SOLVER is FILE.py:NAME, MODULE:NAME, or a file bench.toml. Two coarse levels are solved of each case of the STUDY, or of the first
-    cases that it takes.
+    A SOLVER is FILE.py:NAME, MODULE:NAME, or a file bench.toml. Two coarse levels are solved of each case of the STUDY, or of the first
+    cases that it takes. A PROBLEM is a VerificationProblem of yours by such a name: its closed form has to solve its equations.
     """
     from mpmverify import studies as shipped
     from mpmverify.adapters.check import check as found_in
+    from mpmverify.adapters.check_problem import check_problem
     from mpmverify.adapters.files import Files
-    from mpmverify.adapters.names import own_solver
+    from mpmverify.adapters.names import own_object, own_solver
     from mpmverify.cli.solving import declared
+    from mpmverify.exact import VerificationProblem
 
-    own = own_solver(solver)
+    if isinstance(problem := own_object(what), VerificationProblem):
+        found = check_problem(problem)
+        for remark in found:
+            _say(remark)
+        click.echo(f"{problem.problem.name}: {f'{len(found)} remarks' if found else 'every equation holds'}.")
+        sys.exit(1 if found else 0)
+    own = own_solver(what)
     wanted = [own.study(declared)] if isinstance(own, Files) else [declared(name) for name in studies or shipped.NAMES]
     looked = wrong = crashed = 0
     refusal = ""
@@ -41,9 +53,13 @@ def check(solver: str, studies: tuple[str, ...]) -> None:
             looked += 1
             click.echo(f"{study.name}, {case.name}: {'nothing found' if not remarks else ''}")
             for remark in remarks:
-                click.echo(f"  WRONG: {remark.what}." + (f"\n         Likely cause: {remark.cause}." if remark.cause else ""))
+                _say(remark)
             wrong, crashed = wrong + len(remarks), crashed + sum(remark.crashed for remark in remarks)
     if not looked:
         raise UsageError(refusal)
-    click.echo(f"{looked} cases looked at, {wrong} remarks. Next: mpmverify run --with {solver}")
+    click.echo(f"{looked} cases looked at, {wrong} remarks. Next: mpmverify run --with {what}")
     sys.exit(3 if crashed else 1 if wrong else 0)
+
+
+def _say(remark: "Remark") -> None:
+    click.echo(f"  WRONG: {remark.what}." + (f"\n         Likely cause: {remark.cause}." if remark.cause else ""))
