@@ -204,7 +204,9 @@ UNSUPPORTED = {
 
 @pytest.mark.parametrize("value", UNSUPPORTED.values(), ids=UNSUPPORTED.keys())
 def test_an_unsupported_value_is_refused_in_one_line(value):
-    with pytest.raises(UsageError, match="has no content key: use numbers") as error:
+    with pytest.raises(
+        UsageError, match=r"has no content key: (use numbers|define \w+ at the top of a module|make \w+ a frozen dataclass)"
+    ) as error:
         digest({"field": (value,)})
     assert "\n" not in str(error.value)
     assert len(str(error.value)) < 250

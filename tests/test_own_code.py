@@ -21,6 +21,8 @@ from mpmverify import studies
 STUDY = studies.get("axial-vibration").with_solver(Leapfrog())
 """
 OTHERS = """
+import time
+
 class Bare:
     name = "bare"
 
@@ -28,6 +30,19 @@ class Bare:
 class Asking(Leapfrog):
     def __init__(self, order):
         self.order = order
+
+
+class Raising(Leapfrog):
+    def solve(self, problem, discretisation):
+        return self.helper([])
+
+    def helper(self, nothing):
+        return nothing[3]
+
+
+class Hanging(Leapfrog):
+    def solve(self, problem, discretisation):
+        time.sleep(600)
 
 
 ORDINARY = Asking(2)
@@ -69,6 +84,30 @@ def test_a_solver_in_a_file_gets_verdicts_a_file_and_a_page_beside_a_shipped_one
     assert "0 runs solved" in again.output
 
 
+def test_a_failure_is_said_once_with_its_place(folder):
+    result = run("run", "axial-vibration", "--with", f"{folder.name}:Raising", "--jobs", "1")
+    assert result.exit_code == 3
+    said = " ".join(result.output.split())
+    assert said.count("IndexError: list index out of range") == 1
+    assert "2 criteria on literature, small-strain: every level: crashed" in said
+    assert f"({folder.name}:" in said
+    checked = run("check", f"{folder.name}:Raising", "axial-vibration")
+    assert checked.exit_code == 3
+    assert "return self.helper([])" in checked.output
+    assert "return nothing[3]" in checked.output
+
+
+def test_of_a_solver_that_hangs_one_level_is_tried(folder):
+    result = run("run", "axial-vibration", "--with", f"{folder.name}:Hanging", "--jobs", "1", "--timeout", "1")
+    assert result.exit_code == 3
+    stored = json.loads(Path("results/verdicts.json").read_text(encoding="utf-8"))["studies"]
+    (findings,) = (study["findings"] for study in stored.values())
+    reasons = {finding["reason"] for finding in findings if finding["verdict"] == "ERROR"}
+    assert reasons == {
+        "h=1.5625: timed out; no result within 1 s; the run exceeded its time limit: raise the limit or coarsen the level"
+    }
+
+
 def test_a_study_in_a_file_is_listed_run_and_judged_by_its_name(folder):
     listed = run("list", folder.name)
     assert listed.output.startswith("axial-vibration-with-leapfrog: ")
@@ -92,7 +131,10 @@ def test_a_study_in_a_file_is_listed_run_and_judged_by_its_name(folder):
         (["run", "--with", "{}:None"], "has no attribute 'None'"),
         (["run", "--with", "{}:Bare"], "is not a solver: it lacks orders, conserves, solve"),
         (["run", "--with", "{}:Asking"], "is a class that needs arguments"),
-        (["run", "axial-vibration", "--with", "{}:ORDINARY"], "has no content key"),
+        (
+            ["run", "axial-vibration", "--with", "{}:ORDINARY"],
+            "has no content key: make Asking a frozen dataclass with the fields order",
+        ),
         (["run", "advection", "--with", "{}:Leapfrog"], "declares no order of u"),
         (["run", "nope", "--with", "{}:Leapfrog"], "unknown study 'nope'"),
     ],

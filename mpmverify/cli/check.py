@@ -43,7 +43,7 @@ def check(what: str, studies: tuple[str, ...]) -> None:
     refusal = ""
     for study in wanted:
         for case in study.cases:
-            if looked == CASES and not studies:
+            if crashed or (looked == CASES and not studies):
                 break
             try:
                 remarks = found_in(own, case)
@@ -57,7 +57,7 @@ def check(what: str, studies: tuple[str, ...]) -> None:
             wrong, crashed = wrong + len(remarks), crashed + sum(remark.crashed for remark in remarks)
     if not looked:
         raise UsageError(refusal)
-    click.echo(f"{looked} cases looked at, {wrong} remarks. Next: mpmverify run --with {what}")
+    click.echo(f"{looked} cases looked at, {wrong} remarks." + ("" if wrong else f" Next: mpmverify run --with {what}"))
     sys.exit(3 if crashed else 1 if wrong else 0)
 
 

@@ -54,16 +54,30 @@ def _style(column: str) -> str:
 
 
 def show(output: Console, findings: Sequence[Finding], *, explain: bool = False) -> None:
-    """Print what is no PASS (with `explain`, everything), with the reason, and the number of findings of each verdict."""
-    listed = list(findings) if explain else ranked(findings)[:LISTED]
-    for finding in listed:
-        output.print(
-            f"[{STYLES[finding.verdict]}]{finding.word}[/]",
-            escape(str(finding).removeprefix(finding.word).strip()),
-            highlight=False,
-        )
-        if explain:
+    """Print what is no PASS (with `explain`, everything), with the reason, and the number of findings of each verdict.
+
+    A failed run is the reason of every criterion of its series, and is printed once.
+    """
+    if explain:
+        for finding in findings:
+            _print(output, finding, str(finding))
             output.print(f"    expected by: {finding.source}", style="dim", highlight=False, markup=False)
-    if not explain and len(ranked(findings)) > LISTED:
-        output.print(f"and {len(ranked(findings)) - LISTED} more: --explain shows all")
+    else:
+        groups: dict[object, list[Finding]] = {}
+        for finding in ranked(findings):
+            alone = finding.verdict is not Verdict.ERROR
+            groups.setdefault((finding.study, finding.solver, finding.reason, id(finding) if alone else 0), []).append(finding)
+        for group in list(groups.values())[:LISTED]:
+            first = group[0]
+            cases = ", ".join(dict.fromkeys(finding.case for finding in group))
+            together = f"{first.word} {first.study}/{first.solver}: {len(group)} criteria on {cases}: {first.reason}"
+            _print(output, first, together if len(group) > 1 else str(first))
+        if rest := sum(map(len, list(groups.values())[LISTED:])):
+            output.print(f"and {rest} more: --explain shows all")
     output.print(f"{counts(findings)}.", highlight=False)
+
+
+def _print(output: Console, finding: Finding, text: str) -> None:
+    output.print(
+        f"[{STYLES[finding.verdict]}]{finding.word}[/]", escape(text.removeprefix(finding.word).strip()), highlight=False
+    )

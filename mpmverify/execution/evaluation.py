@@ -180,7 +180,8 @@ def _evaluated(task: Task) -> Evaluated:
     except RunError as error:
         return failed(task, error.outcome.status, error.outcome.detail, advice=error.outcome.advice)
     except (Exception, SystemExit) as error:  # a solver under test may raise anything; the other runs must still finish
-        return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({place(error)})")
+        advice = "run `mpmverify check` on the solver to see its lines"
+        return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({place(error)})", advice=advice)
 
 
 def _stored(path: Path, task: Task) -> Run | None:

@@ -65,7 +65,7 @@ def canonical(value: Any, modules: set[str]) -> Any:
         return [f"{type(value).__module__}.{type(value).__qualname__}", canonical(value.value, modules)]
     if dataclasses.is_dataclass(value) and not isinstance(value, type) and "<locals>" not in type(value).__qualname__:
         modules.add(type(value).__module__)
-        fields = {f.name: canonical(getattr(value, f.name), modules) for f in dataclasses.fields(value)}
+        fields = {f.name: _of_field(value, f.name, modules) for f in dataclasses.fields(value)}
         return [f"{type(value).__module__}.{type(value).__qualname__}", fields]
     if isinstance(value, Path):
         return ["path", value.name, _path_digest(value)]
@@ -82,9 +82,20 @@ def canonical(value: Any, modules: set[str]) -> Any:
         modules.add(type(value).__module__)
         return [f"{type(value).__module__}.{type(value).__qualname__}", {}]
     shown = textwrap.shorten(repr(value), 80)
-    raise UsageError(
-        f"{shown} has no content key: use numbers, strings, paths, and frozen dataclasses and functions of a module"
-    )
+    kind, kept = type(value).__name__, list(getattr(value, "__dict__", {}))
+    remedy = "use numbers, strings, paths, and frozen dataclasses and functions of a module"
+    if "<locals>" in type(value).__qualname__:
+        remedy = f"define {kind} at the top of a module"
+    elif kept and not callable(value):
+        remedy = f"make {kind} a frozen dataclass with the fields {', '.join(kept)}"
+    raise UsageError(f"{shown} has no content key: {remedy}")
+
+
+def _of_field(value: Any, name: str, modules: set[str]) -> Any:
+    try:
+        return canonical(getattr(value, name), modules)
+    except UsageError as error:
+        raise UsageError(f"{type(value).__name__}.{name}: {error}") from error
 
 
 def _path_digest(path: Path) -> str:

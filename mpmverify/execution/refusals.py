@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from mpmverify.errors import UsageError
 from mpmverify.execution import processes
 from mpmverify.execution.runner import Plan, tasks_of
-from mpmverify.solution import Solver
-from mpmverify.study import Study
+from mpmverify.solution import Solver, Status
+from mpmverify.study import Case, Series, Study
 
 
 def without_refused(study: Study, solver: Solver, plan: Plan) -> tuple[Study | None, Mapping[str, str]]:
-    """Solve the coarsest level of each case, and leave out the cases that the solver refuses.
+    """Solve the coarsest level of each case, and leave out the cases that the solver refuses; of one that hangs, finer levels.
 
     Parameters
     ----------
@@ -40,8 +40,20 @@ def without_refused(study: Study, solver: Solver, plan: Plan) -> tuple[Study | N
         tasks = tasks_of(dataclasses.replace(study, cases=(case,)), plan)
         coarsest = max((task for task in tasks if task.solver == solver), key=lambda task: task.discretisation.h)
         try:
-            list(processes.over_processes([coarsest], 1, plan.timeout))
-            kept.append(case)
+            ((_, evaluated),) = processes.over_processes([coarsest], 1, plan.timeout)
+            hangs = evaluated.level.outcome.startswith(Status.TIMED_OUT)
+            kept.append(_coarsest(case, solver) if hangs else case)
         except UsageError as error:
             refused[case.name] = str(error)
     return (dataclasses.replace(study, cases=tuple(kept)) if kept else None), refused
+
+
+def _coarsest(case: Case, solver: Solver) -> Case:
+    """Return a case with one level for a solver: where that one hangs, finer ones would."""
+
+    def cut(series: Series) -> Series:
+        level = max(series.refinement.levels, key=lambda level: level.h)
+        ladder = dataclasses.replace(series.refinement, levels=(level,), quick=1)
+        return dataclasses.replace(series, refinement=ladder) if series.solver == solver else series
+
+    return dataclasses.replace(case, series=tuple(map(cut, case.series)))
