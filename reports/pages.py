@@ -43,6 +43,8 @@ class CaseSection:
         Choices of the convergence chart.
     charted : bool
         Whether any error can be drawn against a refined size; False if there is theory and no order is judged.
+    still : str
+        SVG of the convergence chart as it is at first.
     theory : Theory or None
         Chart of measured frequencies or stability limits, if there are any.
     curves : tuple of Curve
@@ -72,6 +74,7 @@ class CaseSection:
     quantities: tuple[Option, ...]
     norms: tuple[Option, ...]
     charted: bool
+    still: str
     theory: Theory | None
     curves: tuple[Curve, ...]
     wave_quantities: tuple[Option, ...]

@@ -28,6 +28,7 @@ from .overview import (
 from .pages import CaseSection, StudyPage
 from .parts import Curve, Fact, Group, Link, Option, RunRow, Scheme
 from .record import Case, Measure, Record, Series
+from .still import still
 from .styles import STROKES, Style, selection, styles
 from .theory import Theory, theory
 from .thumbnails import thumbnail
@@ -95,6 +96,8 @@ def _section(
     ladders = [entry for entry in series if entry.axis and convergent]
     known = measures(ladders)
     dominance = maps(series)
+    curves = _curves(series, curve_styles, shown, first)
+    errors = charts.convergence(series, curve_styles, known)
     return CaseSection(
         anchor=anchor,
         name=case.name,
@@ -107,7 +110,8 @@ def _section(
         norms=_options([norm for _, norm in known], shown and shown[1], NORM_NAMES),
         charted=_charted(ladders),
         theory=known_theory,
-        curves=_curves(series, curve_styles, shown, first),
+        curves=curves,
+        still=still(errors, charts.key(shown), [curve.index for curve in curves if curve.shown]) if shown else "",
         wave_quantities=_options(list(units), first, {}),
         thumbnail_quantity=first,
         tables=order_tables(ladders, shown),
@@ -117,7 +121,7 @@ def _section(
         sources=tuple(sources),
         runs=tuple(row for entry in series for row in _runs(entry, runs)),
         cost=_cost(series),
-        figures=_figures(series, curve_styles, known, known_theory, units, outputs, dominance),
+        figures=_figures(series, curve_styles, errors, known_theory, units, outputs, dominance),
     )
 
 
@@ -203,7 +207,7 @@ def _cost(series: Sequence[Series]) -> str:
 def _figures(
     series: Sequence[Series],
     curve_styles: Sequence[Style],
-    known: Sequence[Measure],
+    errors: charts.Figure,
     known_theory: Theory | None,
     units: dict[str, str],
     outputs: int,
@@ -223,7 +227,7 @@ def _figures(
             }
         )
     body = {
-        "convergence": charts.convergence(series, curve_styles, known),
+        "convergence": errors,
         "theory": known_theory and known_theory.figure,
         "dominance": dominance,
         "waves": charts.wave_figures(units),

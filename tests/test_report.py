@@ -38,6 +38,7 @@ from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs,
 from mpmverify.reports.pages import IndexPage, StudyPage, TrustPage
 from mpmverify.reports.record import Profile
 from mpmverify.reports.site import TEMPLATES, environment
+from mpmverify.reports.still import still
 from mpmverify.reports.thumbnails import HEIGHT, MARGIN, Thumbnail, thumbnail
 from mpmverify.reports.trust_page import trust_page
 from mpmverify.study import Case, Refinement, Series, Study
@@ -385,6 +386,43 @@ def test_levels_outside_the_fit_have_hollow_markers(stored: tuple[Results, list]
     }
     assert not any(symbol.endswith("-open") for symbol in symbols[0])
     assert all(symbol.endswith("-open") for symbol in symbols[1])
+
+
+def test_the_convergence_chart_has_a_still_picture_of_the_series_that_are_drawn_at_first(stored: tuple[Results, list]) -> None:
+    page = (stored[0].report / "sample.html").read_text(encoding="utf-8")
+    figure = json.loads(re.search(r'<script type="application/json" class="figures">(.*?)</script>', page, re.DOTALL)[1])
+    drawn = [trace for trace in figure["convergence"]["data"] if "series" in trace["meta"]]
+    (picture,) = re.findall(r'<svg class="still".*?</svg>', page, re.DOTALL)
+    points = sum(
+        sum(y is not None for y in trace["y"]) for trace in drawn if trace["meta"]["measure"] == drawn[0]["meta"]["measure"]
+    )
+    assert picture.count("<circle") + picture.count('Z" fill=') >= points
+    assert "nan" not in picture.lower()
+    assert "order 1.8 to 2.2" in picture
+
+
+def test_a_still_picture_places_points_by_their_logarithms() -> None:
+    line = {"color": "red", "width": 1, "dash": "dash"}
+    trace = {
+        "mode": "lines+markers",
+        "x": [1.0, 0.1, 0.01],
+        "y": [1.0, 0.01, 1e-4],
+        "line": line,
+        "meta": {"measure": "a", "series": 0},
+    }
+    trace["marker"] = {"symbol": ["circle", "circle-open", "square"], "color": "red"}
+    layout = {"xaxis": {"domain": [0, 1], "title": {"text": "h <m>"}}}
+    figure = {"data": [trace], "layout": layout, "titles": {"a": "error & more"}}
+    picture = still(figure, "a", [0])
+    (x0, y0), (x1, y1) = (tuple(map(float, found)) for found in re.findall(r'<circle cx="(\S+)" cy="(\S+)"', picture))
+    assert x1 < x0
+    assert y1 > y0
+    assert "error &amp; more" in picture
+    assert "h &lt;m&gt;" in picture
+    assert picture.count('fill="var(--panel)"') == 1
+    assert still(figure, "a", [1]) == still(figure, "b", [0]) == ""
+    trace["y"] = [None, None, None]
+    assert still(figure, "a", [0]) == ""
 
 
 def test_non_finite_numbers_are_shown_as_a_dash(stored: tuple[Results, list]) -> None:

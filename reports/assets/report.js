@@ -268,6 +268,7 @@ class Case {
     const Plotly = await plotly();
     if (!chart.isConnected) return;
     const { data, layout } = themed(this.figure(chart.dataset.chart));
+    if (!this.drawn.has(chart)) chart.replaceChildren(); // the still picture in its place
     this.drawn.set(chart, Plotly);
     Plotly.react(chart, data, layout, CONFIG);
   }
