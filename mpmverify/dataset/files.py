@@ -13,7 +13,7 @@ import netCDF4
 
 from mpmverify.errors import DamagedError, ResultsError
 
-SCHEMA = 5
+SCHEMA = 6
 """Version of the layout of run and study files; part of the keys of runs."""
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of every netCDF-4 file."""

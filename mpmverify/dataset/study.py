@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
@@ -33,7 +34,7 @@ from mpmverify.dataset.levels import level_table, read_levels
 from mpmverify.dataset.snapshots import Snapshots, snapshot_groups
 from mpmverify.dataset.sources import with_sources
 from mpmverify.dataset.statement import statement
-from mpmverify.dataset.tree import text, write_tree
+from mpmverify.dataset.tree import CHECKSUM, checksum, text, write_tree
 from mpmverify.errors import MpmverifyError, ResultsError
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.judging import Judged
@@ -197,10 +198,15 @@ def read_tree(path: Path) -> xr.DataTree:
     if study != path.stem:
         raise ResultsError(f"'{path}' contains the study {study!r}: rename it to '{study}.nc', or move it away")
     try:
-        with xr.open_datatree(path, engine="netcdf4") as tree:
-            return tree.load()
-    except (OSError, RuntimeError, ValueError) as error:
+        with netCDF4.Dataset(path) as file:
+            sound = getattr(file, CHECKSUM, None) == checksum(file)
+        with xr.open_datatree(path, engine="netcdf4") as opened:
+            tree = opened.load()
+    except (OSError, RuntimeError, ValueError, AttributeError, IndexError) as error:
         raise damaged(path) from error
+    if not sound:
+        raise damaged(path)
+    return tree
 
 
 @contextmanager

@@ -7,6 +7,7 @@ twice (Unidata/netcdf4-python#1444, pydata/xarray#9093). All variables are decla
 writer alternates and takes ten times as long for a tree of fifty groups.
 """
 
+import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,9 +17,12 @@ import xarray as xr
 
 from mpmverify.dataset.files import compression
 
+CHECKSUM = "checksum"
+"""Attribute with the digest of a file."""
+
 
 def write_tree(path: Path, tree: xr.DataTree) -> None:
-    """Write a tree, which `xarray.open_datatree` reads back with its coordinates, texts and attributes."""
+    """Write a tree with its checksum; `xarray.open_datatree` reads it back with its coordinates, texts and attributes."""
     with netCDF4.Dataset(path, "w") as file:
         pending: list[tuple[netCDF4.Variable, np.ndarray]] = []
         for node in tree.subtree:
@@ -26,6 +30,27 @@ def write_tree(path: Path, tree: xr.DataTree) -> None:
             pending += _declare(group, node.to_dataset(inherit=False))
         for variable, values in pending:
             variable[...] = values
+        file.setncattr(CHECKSUM, checksum(file))
+
+
+def checksum(file: netCDF4.Dataset) -> str:
+    """Return a digest of all that a file holds: the names, sizes, values and attributes in every group."""
+    found = hashlib.sha256()
+
+    def add(group: netCDF4.Dataset) -> None:
+        found.update(repr((group.path, [(name, len(size)) for name, size in group.dimensions.items()])).encode())
+        for owner in (group, *group.variables.values()):
+            stated = {name: np.asarray(owner.getncattr(name)).tolist() for name in owner.ncattrs() if name != CHECKSUM}
+            found.update(repr((getattr(owner, "dimensions", ()) if owner is not group else "", stated)).encode())
+        for name, variable in group.variables.items():
+            variable.set_auto_maskandscale(False)
+            variable.set_auto_chartostring(False)
+            found.update(name.encode() + np.ascontiguousarray(variable[...]).tobytes())
+        for inner in group.groups.values():
+            add(inner)
+
+    add(file)
+    return found.hexdigest()
 
 
 def _declare(group: netCDF4.Dataset, dataset: xr.Dataset) -> list[tuple[netCDF4.Variable, np.ndarray]]:
