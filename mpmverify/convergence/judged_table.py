@@ -174,8 +174,11 @@ def _ladder(
     name: str, group: Group, sizes: tuple[Size, ...], rows: np.ndarray, error: Array, demands: Demands, scale: float
 ) -> JudgedColumn:
     h, band, uncertainty = sizes[0].values[rows], demands.band(name), demands.uncertainty / scale
-    found, reason = verdict(h, error, band=band, round_off=demands.round_off, uncertainty=uncertainty, exact=demands.exact)
-    series = analyse(h, error, expected=band, round_off=demands.round_off, uncertainty=uncertainty)
+    symbol = sizes[0].symbol
+    found, reason = verdict(
+        h, error, band=band, round_off=demands.round_off, uncertainty=uncertainty, exact=demands.exact, size=symbol
+    )
+    series = analyse(h, error, expected=band, round_off=demands.round_off, uncertainty=uncertainty, size=symbol)
     first = np.flatnonzero(np.diff(series.h, prepend=series.h[0]))  # of each size but the coarsest, in the series
     orders = {int(rows[np.argmin(np.abs(h - series.h[k]))]): float(series.pairwise[k - 1]) for k in first}
     return JudgedColumn(name, group, sizes, found, reason, series, orders=orders, round_off=demands.round_off)

@@ -115,6 +115,7 @@ def verdict(
     round_off: float = ROUND_OFF,
     uncertainty: float = 0.0,
     exact: float | None = None,
+    size: str = "h",
 ) -> Judgement:
     """Judge an error series from any code.
 
@@ -127,6 +128,8 @@ def verdict(
         an expected value verifies nothing.
     exact : float, optional
         Demand that no error exceeds this tolerance, instead of an order.
+    size : str
+        Name of the sizes in the reason.
 
     Returns
     -------
@@ -140,14 +143,14 @@ def verdict(
         both are given.
     """
     if exact is not None:
-        return _judge_exact(analyse(h, error), exact, band)
+        return _judge_exact(analyse(h, error, size=size), exact, band)
     edges = numbers((FLAT, PLAUSIBLE) if band is None else band, "the band of orders")
     if edges.shape != (2,):
         raise UsageError(f"the band of orders must be two numbers, its lower edge first, not {band!r}")
     low, high = edges.tolist()
     if not low < high:
         raise UsageError(f"the band of orders [{low:g}, {high:g}] is empty: give its lower edge first")
-    series = analyse(h, error, expected=band, round_off=round_off, uncertainty=uncertainty)
+    series = analyse(h, error, expected=band, round_off=round_off, uncertainty=uncertainty, size=size)
     found, reason = judge_order(series, low, high)
     if band is None and found is Verdict.PASS:
         return Verdict.INCONCLUSIVE, f"{reason}; without a band to expect it in, no order passes"
@@ -162,7 +165,7 @@ def _judge_exact(series: Convergence, tolerance: float, band: object) -> Judgeme
     if series.classification is Classification.NON_FINITE:
         return Verdict.ERROR, NOT_FINITE
     largest = int(np.argmax(series.error))
-    found = f"the largest error is {series.error[largest]:.2e}, at h={series.h[largest]:g}"
+    found = f"the largest error is {series.error[largest]:.2e}, at {series.size}={series.h[largest]:g}"
     if series.error[largest] <= tolerance:
         return Verdict.PASS, f"exact to {tolerance:g}: {found}"
     return Verdict.FAIL, f"not exact to {tolerance:g}: {found}"
