@@ -7,11 +7,13 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from collections import deque
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from faulty_solvers import Scripted, Unreadable, plan, study
 
@@ -305,3 +307,43 @@ def test_a_process_that_cannot_start_says_why_and_leaves_the_others_to_be_ended(
     crew = Crew(abs, lambda task, failure, reason: reason, 60.0, context=refusing)
     with pytest.raises(OSError, match="no more processes"):
         list(crew.results(lambda worker, workers: next(tasks, None), 2))
+
+
+def disturbing(task: str) -> tuple:
+    """State of the process as a task finds it, which it then changes."""
+    found = (
+        os.getcwd(),
+        os.environ.get("OF_A_TASK"),
+        np.random.get_state()[1].tolist(),  # noqa: NPY002
+        np.geterr(),
+        len(warnings.filters),
+        list(sys.path),
+    )
+    os.chdir("/")
+    os.environ["OF_A_TASK"] = task
+    np.random.seed(3)  # noqa: NPY002
+    np.seterr(all="ignore")
+    warnings.simplefilter("ignore")
+    sys.path.insert(0, task)
+    if hasattr(signal, "setitimer"):
+        signal.signal(signal.SIGALRM, lambda *_: os._exit(9))
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+    return found
+
+
+def test_what_a_task_does_to_its_process_the_next_does_not_see():
+    waiting = deque(["first", "second", "third"])
+    crew = Crew(disturbing, lambda task, failure, reason: reason, 60.0)
+    found = [result for _, result in crew.results(lambda worker, workers: waiting.popleft() if waiting else None, 1)]
+    assert len(found) == 3
+    assert found[0] == found[1] == found[2], "in one process, one after the other"
+
+
+@pytest.mark.parametrize("chosen", ["", "7"])
+def test_processes_share_the_processors_unless_the_user_has_chosen(chosen, monkeypatch):
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+    if chosen:
+        monkeypatch.setenv("OMP_NUM_THREADS", chosen)
+    monkeypatch.setattr(pool, "processors", lambda: 8)
+    assert pool._threads(3).get("OMP_NUM_THREADS") == (None if chosen else "2")
+    assert pool._threads(16).get("OMP_NUM_THREADS") == (None if chosen else "1")

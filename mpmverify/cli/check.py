@@ -8,7 +8,7 @@ import click
 from mpmverify.errors import UsageError
 
 if TYPE_CHECKING:
-    from mpmverify.adapters.check import Remark
+    from mpmverify.adapters.mistakes import Remark
 
 CASES = 3
 """Number of cases that are tried unless studies are named."""

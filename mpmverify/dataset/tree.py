@@ -37,15 +37,18 @@ def checksum(file: netCDF4.Dataset) -> str:
     """Return a digest of all that a file holds: the names, sizes, values and attributes in every group."""
     found = hashlib.sha256()
 
+    def add_attributes(owner: netCDF4.Dataset | netCDF4.Variable) -> None:
+        stated = {name: np.asarray(owner.getncattr(name)).tolist() for name in owner.ncattrs() if name != CHECKSUM}
+        found.update(repr(stated).encode())
+
     def add(group: netCDF4.Dataset) -> None:
         found.update(repr((group.path, [(name, len(size)) for name, size in group.dimensions.items()])).encode())
-        for owner in (group, *group.variables.values()):
-            stated = {name: np.asarray(owner.getncattr(name)).tolist() for name in owner.ncattrs() if name != CHECKSUM}
-            found.update(repr((getattr(owner, "dimensions", ()) if owner is not group else "", stated)).encode())
+        add_attributes(group)
         for name, variable in group.variables.items():
+            add_attributes(variable)
             variable.set_auto_maskandscale(False)
             variable.set_auto_chartostring(False)
-            found.update(name.encode() + np.ascontiguousarray(variable[...]).tobytes())
+            found.update(repr((name, variable.dimensions)).encode() + np.ascontiguousarray(variable[...]).tobytes())
         for inner in group.groups.values():
             add(inner)
 

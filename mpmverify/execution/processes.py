@@ -56,9 +56,19 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
     if jobs < 1:
         raise UsageError(f"{jobs} worker processes can solve nothing: give at least 1")
     jobs = min(jobs, sum(map(len, waiting.values())))
-    for task, evaluated in Crew(evaluate, partial(_failed, timeout), timeout).results(take, jobs):
+    crew = Crew(evaluate, partial(_failed, timeout), timeout, environment=_threads(jobs))
+    for task, evaluated in crew.results(take, jobs):
         compiled.add(task.kernel)
         yield task, evaluated
+
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Environment variables that limit the threads of numerical libraries and of programs."""
+
+
+def _threads(jobs: int) -> dict[str, str]:
+    """Share the processors between processes, unless the user has set how many threads there are."""
+    return {name: str(max(1, processors() // max(1, jobs))) for name in THREADS if name not in os.environ}
 
 
 def _failed(timeout: float, task: Task, failure: Failure, reason: str) -> Evaluated:

@@ -14,6 +14,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, Generic, TypeVar
 
 from mpmverify.errors import MpmverifyError, UsageError
+from mpmverify.execution.restoring import restored
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -230,7 +231,8 @@ def _serve(connection: Connection, work: Callable[[T], R], processor_limit: floa
             task = connection.recv()
             connection.send(STARTED)
             _limit(processor_limit)
-            message = work(task)
+            with restored():
+                message = work(task)
         except (EOFError, ConnectionError):
             return
         except MpmverifyError as error:
