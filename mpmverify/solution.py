@@ -95,7 +95,7 @@ class Solution:
     Parameters
     ----------
     time : Array
-        Output times (T,) [s], strictly increasing from 0 to the final time of the problem.
+        Output times (T,) [s], strictly increasing from 0 to the final time of the problem; at least five, or every step.
     dt : float
         Time step [s], the largest one if it varies; at most nu_C h/c.
     reference : Array

@@ -13,6 +13,7 @@ from mpmverify import studies
 from mpmverify.adapters.check import check
 from mpmverify.cli import cli
 from mpmverify.errors import UsageError
+from mpmverify.execution.verify import verify
 from mpmverify.problem import components
 from mpmverify.solvers.mpm import PIC, MaterialPoint
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
@@ -144,7 +145,7 @@ def test_an_error_that_no_level_changes_is_found():
             return dataclasses.replace(RIGHT.solve(problem, dataclasses.replace(level, h=coarsest.h * 2)), dt=1e-3)
 
     remarks = check(Deaf(None), BOX)
-    assert any("is the same on both levels" in remark.what for remark in remarks), remarks
+    assert any("does not fall" in remark.what and "take h or dt from the level" in remark.cause for remark in remarks), remarks
 
 
 def test_an_exception_comes_with_the_lines_of_its_author():
@@ -211,3 +212,29 @@ def test_the_command_says_what_is_wrong(name, status, said, tmp_path, monkeypatc
     assert said in " ".join(result.output.split())
     assert "Traceback" not in result.output
     assert set(components("stress", 2)) == {"stress_xx", "stress_yy", "stress_xy"}
+
+
+def test_histories_of_zeros_balance_and_are_no_momentum():
+    def zeros(s, p, at):
+        silent = {"momentum", "impulse"}
+        return {"histories": {name: 0 * values if name in silent else values for name, values in s.histories.items()}}
+
+    found = {}
+    for name, mistake in (("right", lambda s, p, at: {}), ("zeros", zeros)):
+        findings = verify(Mistaken(mistake, name), studies.get("driven-bar"), "loaded-right")
+        found[name] = {finding.criterion: finding for finding in findings}
+    (balance,) = (criterion for criterion in found["right"] if "momentum" in criterion)
+    assert found["right"][balance].verdict == "PASS"
+    assert found["zeros"][balance].verdict == "FAIL"
+    assert "is not the sum of density x volume x velocity over the sample points" in found["zeros"][balance].reason
+
+
+def test_the_ends_alone_are_no_outputs():
+    def ends(s, p, at):
+        return {"time": s.time[[0, -1]], "position": s.position[[0, -1]], "weight": s.weight[[0, -1]]} | {
+            "fields": {name: values[[0, -1]] for name, values in s.fields.items()}
+        }
+
+    (finding, *_) = verify(Mistaken(ends), studies.get("driven-bar"), "loaded-right")
+    assert finding.verdict == "ERROR"
+    assert "it returned 2 outputs: the problem asks for 33, and 5 are needed" in finding.reason

@@ -208,13 +208,14 @@ def test_what_a_result_does_not_say_is_that_of_the_problem(tmp_path):
 @pytest.mark.parametrize(
     ("arrays", "said"),
     [
-        ({"velocity": (3, 5, 2)}, "the result has 5 points, the problem .* add reference positions, X, Y"),
+        ({"velocity": (3, 5, 2)}, "the result has 5 points, the problem .* is it that of another level"),
         ({"velocity": (3, 5, 2), "reference": (5, 2)}, "add the volume of each as 'weight'"),
         ({"velocity_x": (3, 5)}, "lacks velocity_y"),
         ({"velocity": (3, 5, 2), "displacement": (3, 4, 2)}, "different shapes"),
         ({"velocity": (3, 5, 2), "weight": (4,)}, "weight of the result has the shape"),
         ({"velocity": (3, 5, 2), "time": (4,)}, "3 outputs and 4 output times"),
         ({"velocity": (3, 5, 2), "ux": (3, 5), "displacement_x": (3, 5)}, "two columns of displacement_x"),
+        ({"velocty": (3, 5, 2)}, "a column 'velocty': is it 'velocity'"),
         ({"density": (3, 5)}, "the result has none of displacement, velocity"),
     ],
 )
@@ -223,6 +224,36 @@ def test_a_result_that_lacks_something_is_said_in_a_sentence(arrays, said, tmp_p
     np.savez(tmp_path / "all.npz", **{"time": np.arange(3.0)} | arrays)
     with pytest.raises(RunError, match=said):
         read_result(tmp_path, "all.npz", "", {}, deck_of(2))
+
+
+def test_columns_of_a_table_without_times_are_those_of_the_problem(tmp_path):
+    deck = deck_of(2)
+    expected = solution(deck)
+    parts = [columns_of(expected, 2, n) for n in range(len(expected.time))]
+    table = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != "time"}
+    write_table(tmp_path / "all.csv", table, ",", "")
+    found = read_result(tmp_path, "all.csv", "", {}, deck)
+    assert np.array_equal(found.time, deck.output_times)
+    assert np.array_equal(found.fields["velocity"], expected.fields["velocity"])
+    write_table(tmp_path / "all.csv", {name: values[1:] for name, values in table.items()}, ",", "")
+    with pytest.raises(RunError, match=r"no column 'time', and .* rows are not those of"):
+        read_result(tmp_path, "all.csv", "", {}, deck)
+
+
+def test_a_point_has_one_number(tmp_path):
+    deck = deck_of(1)
+    expected = solution(deck)
+    points = np.tile(np.arange(len(expected.reference), dtype=float), (len(expected.time), 1))
+    points[:, 1] = 0
+    np.savez(tmp_path / "all.npz", point=points, displacement=expected.fields["displacement"])
+    with pytest.raises(RunError, match="one stands for two points"):
+        read_result(tmp_path, "all.npz", "", {}, deck)
+
+
+def test_an_own_name_stands_for_a_column_that_there_is(tmp_path):
+    np.savez(tmp_path / "all.npz", displacement=solution(deck_of(1)).fields["displacement"])
+    with pytest.raises(RunError, match="`columns` names 'bar', which is none of time"):
+        read_result(tmp_path, "all.npz", "", {"foo": "bar"}, deck_of(1))
 
 
 def test_reference_positions_do_not_move(tmp_path):

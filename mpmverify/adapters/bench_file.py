@@ -45,6 +45,8 @@ def read_bench(path: Path) -> Executable | Files:
         accepts, what = TYPES[name]
         if not accepts(value):
             raise UsageError(f"{name} = {value!r} in '{path}' must be {what}")
+    if entries.get("conserves") and not entries.get("histories"):
+        raise UsageError(f"conserves in '{path}' needs `histories`, the table of what is conserved: name it")
     values: dict[str, Any] = entries | {"bench": path, "conserves": frozenset(entries.get("conserves", ()))}
     folder = path.absolute().parent
     if kind is Files:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from mpmverify.adapters.mistakes import Remark
-from mpmverify.adapters.probe import Probe
+from mpmverify.adapters.probe import Probe, elastic_stress
 from mpmverify.exact import VerificationProblem
 from mpmverify.exact.finite_strain import KIRCHHOFF, cauchy_stress
 from mpmverify.problem import (
@@ -30,7 +30,6 @@ from mpmverify.problem import (
     components,
 )
 from mpmverify.problem.material import KelvinVoigt, Maxwell
-from mpmverify.problem.quantities import SYMMETRIC
 
 TOLERANCE = 1e-5
 """Largest defect of an equation, relative to the largest of its terms."""
@@ -140,11 +139,35 @@ def _equations(probe: Probe) -> Iterator[Equation]:
         yield "H = du/dX", probe.slopes(probe.of("displacement")) - H, (H, size)
     if probe.has("stress") and (probe.has("displacement") or probe.has("displacement_gradient")):
         yield from _constitutive(probe, law)
-    if probe.has("stress", "velocity") and (type(law) not in KIRCHHOFF or probe.has("displacement")):
-        inertia = law.density * probe.rate(probe.of("velocity"))
+    if balanced(probe.problem):
+
+        def velocity(X: Array, t: Array) -> Array:
+            return Probe(probe.problem, X, t, probe.step).rate(probe.of("displacement"))
+
+        inertia = law.density * probe.rate(probe.of("velocity") if probe.has("velocity") else velocity)
         divergence = np.einsum("tpijj->tpi", probe.slopes(probe.stress))
         body = law.density * np.stack([_force(probe, k) for k in range(len(probe.t))])
         yield "rho dv/dt = Div P + rho b", inertia - divergence - body, (inertia, divergence, body)
+
+
+def balanced(problem: VerificationProblem) -> bool:
+    """Whether the fields of a body say enough to put them into the balance of momentum: a motion, and a stress or its law."""
+    given, law = problem.exact.fields.keys(), problem.problem.material
+    viscous = isinstance(law, KelvinVoigt | Maxwell)
+    if "displacement" in given:
+        return "stress" in given or not viscous
+    return {"velocity", "stress"} <= given and type(law) not in KIRCHHOFF
+
+
+def not_looked_at(problem: VerificationProblem) -> list[str]:
+    """Say which equations cannot be looked at, because the closed form has not the fields for them."""
+    given, law = problem.exact.fields.keys(), problem.problem.material
+    if isinstance(law, Transport):
+        return []
+    missing = [] if balanced(problem) else ["the balance of momentum, which needs the displacement, or velocity and stress"]
+    if "stress" in given and not {"displacement", "displacement_gradient"} & given:
+        missing.append("the law of the material, which needs the displacement")
+    return missing
 
 
 def _force(probe: Probe, k: int) -> Array:
@@ -163,12 +186,7 @@ def _constitutive(probe: Probe, law: LinearElastic) -> Iterator[Equation]:
         return
 
     def elastic(X: Array, t: Array) -> Array:
-        H = probe.gradient(X, t)
-        strain = (H + H.swapaxes(-1, -2)) / 2
-        trace = np.trace(strain, axis1=-2, axis2=-1)
-        tensor = law.lame_lambda * trace[..., None, None] * np.eye(probe.dimension) + 2 * law.shear_modulus * strain
-        pairs = SYMMETRIC.get(probe.dimension, ("xx",))
-        return np.stack([tensor[..., "xyz".index(pair[0]), "xyz".index(pair[1])] for pair in pairs], axis=-1)
+        return elastic_stress(law, probe.gradient(X, t))
 
     now = elastic(probe.X, probe.t)
     if isinstance(law, Maxwell):

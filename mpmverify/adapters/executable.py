@@ -34,7 +34,7 @@ class Executable:
     name, orders, conserves
         See `Solver`.
     command : tuple of str
-        Program and arguments.
+        Program and arguments; one that is the name of a file beside `bench` stands for it.
     sources : tuple of Path
         Files that the result depends on: the program, and what it loads.
     points : {"particles", "nodes"}
@@ -51,12 +51,12 @@ class Executable:
         Limit of address space for one run [GB], where the system can set one; 0 for none.
     """
 
-    bench: Path
+    bench: Path = field(repr=False)
     name: str
     orders: Mapping[str, float]
     command: tuple[str, ...]
     conserves: frozenset[str] = frozenset()
-    sources: tuple[Path, ...] = ()
+    sources: tuple[Path, ...] = field(default=(), repr=False)
     points: str = "particles"
     result: str = "result.csv"
     histories: str = ""
@@ -99,9 +99,8 @@ class Executable:
 
     def _run(self, folder: Path, problem: Problem) -> float:
         """Run the program; return its wall time [s]."""
-        program, *arguments = self.command
-        own = self.bench.absolute().parent / program
-        program = str(own) if own.is_file() else program
+        beside = self.bench.absolute().parent
+        program, *arguments = [str(beside / part) if (beside / part).is_file() else part for part in self.command]
         with (folder / PRINTED).open("wb") as printed:
             started = time.perf_counter()
             try:

@@ -38,12 +38,12 @@ class Files:
         See `Executable`.
     """
 
-    bench: Path
+    bench: Path = field(repr=False)
     name: str
     orders: Mapping[str, float]
-    problems: Path
+    problems: Path = field(repr=False)
     conserves: frozenset[str] = frozenset()
-    sources: tuple[Path, ...] = ()
+    sources: tuple[Path, ...] = field(default=(), repr=False)
     points: str = "particles"
     result: str = "result.csv"
     histories: str = ""

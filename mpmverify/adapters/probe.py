@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmverify.exact import VerificationProblem
-from mpmverify.exact.finite_strain import KIRCHHOFF, volume_change
-from mpmverify.problem import (
-    Array,
-)
+from mpmverify.exact.finite_strain import KIRCHHOFF, cauchy_stress, volume_change
+from mpmverify.problem import Array, LinearElastic
 from mpmverify.problem.quantities import SYMMETRIC
 
 
@@ -58,7 +56,14 @@ class Probe:
 
     def stress(self, X: Array, t: Array) -> Array:
         """Stress tensor whose divergence accelerates the body (T, P, dim, dim): the first Piola-Kirchhoff stress at finite strain."""
-        sigma, d = self.of("stress")(X, t), self.dimension
+        d, law = self.dimension, self.problem.problem.material
+        if self.has("stress"):
+            sigma = self.of("stress")(X, t)
+        elif type(law) in KIRCHHOFF:
+            sigma = cauchy_stress(law, self.gradient(X, t))
+        else:
+            assert isinstance(law, LinearElastic), "a transported scalar has no stress"
+            sigma = elastic_stress(law, self.gradient(X, t))
         tensor = np.zeros((*sigma.shape[:2], d, d))
         for c, pair in enumerate(SYMMETRIC.get(d, ("xx",))):
             i, j = "xyz".index(pair[0]), "xyz".index(pair[1])
@@ -68,6 +73,15 @@ class Probe:
         F = np.eye(d) + self.gradient(X, t)
         J = 1 + volume_change(F - np.eye(d))
         return J[..., None, None] * tensor @ np.linalg.inv(F).swapaxes(-1, -2)
+
+
+def elastic_stress(law: LinearElastic, gradient: Array) -> Array:
+    """Return the stress (T, P, components) [Pa] of isotropic linear elasticity at small strain."""
+    d = gradient.shape[-1]
+    strain = (gradient + gradient.swapaxes(-1, -2)) / 2
+    trace = np.trace(strain, axis1=-2, axis2=-1)
+    tensor = law.lame_lambda * trace[..., None, None] * np.eye(d) + 2 * law.shear_modulus * strain
+    return np.stack([tensor[..., "xyz".index(pair[0]), "xyz".index(pair[1])] for pair in SYMMETRIC.get(d, ("xx",))], axis=-1)
 
 
 def _difference(function: Callable[[float], Array], step: float) -> Array:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from mpmverify.adapters.deck import Deck
 from mpmverify.adapters.formats import read_file, wrong
 from mpmverify.problem import Array, components
-from mpmverify.problem.quantities import SYMMETRIC, history_units
+from mpmverify.problem.quantities import SYMMETRIC, UNITS, VECTORS, history_units
 from mpmverify.solution import Solution, Work
 
 SHORT = {"t": "time", "V": "weight", "volume": "weight"}
@@ -45,6 +46,9 @@ def read_result(
     if not files or (histories and not (folder / histories).is_file()):
         raise wrong(f"there is no file {histories if files else result!r}")
     dimension = deck.problem.dimension
+    names = [*_components(deck), *history_units(dimension)]
+    if wrongly := [name for name in columns.values() if name not in names]:
+        raise wrong(f"`columns` names {wrongly[0]!r}, which is none of {', '.join(names)}")
     known = short_names(deck) | dict(columns) | {name: name for name in _components(deck)}
     parts = [_renamed(read_file(path, dimension), known) for path in files]
     steps, dt = deck.steps
@@ -70,6 +74,8 @@ def _renamed(found: Mapping[str, Array], known: Mapping[str, str]) -> dict[str, 
             if known[name] in table:
                 raise wrong(f"the result has two columns of {known[name]}: remove {name!r}")
             table[known[name]] = values
+        elif near := get_close_matches(name.lower(), [*known, *UNITS, *VECTORS], 1, 0.85):
+            raise wrong(f"the result has a column {name!r}: is it {near[0]!r}? Rename it, or name it in `columns`")
     return table
 
 
@@ -131,7 +137,8 @@ def _assembled(values: dict[str, Array], histories: dict[str, Array], deck: Deck
         reference = X
     else:
         raise wrong(
-            f"the result has {count} points, the problem {len(X)}: add reference positions, {', '.join('XYZ'[:dimension])}"
+            f"the result has {count} points, the problem {len(X)}: is it that of another level? Points of your own need reference positions, "
+            f"{', '.join('XYZ'[:dimension])}"
         )
     if position is None:
         position = reference + fields["displacement"] if "displacement" in fields else np.tile(reference, (len(time), 1, 1))
@@ -169,13 +176,21 @@ def _by_output(values: dict[str, Array], deck: Deck) -> tuple[Array, dict[str, A
         time, outputs = column[starts], len(starts)
         values = {name: array.reshape(outputs, -1) for name, array in values.items()}
     else:
-        raise wrong("the result has no column 'time'")
+        rows, outputs, time = len(next(iter(values.values()), [])), len(deck.output_times), None
+        if rows != outputs * len(deck.sample[0]):
+            raise wrong(
+                f"the result has no column 'time', and {rows} rows are not those of {len(deck.sample[0])} points at {outputs} times"
+            )
+        values = {name: array.reshape(outputs, -1) for name, array in values.items()}
     if time is None:
         time = deck.output_times
     if len(time) != outputs:
         raise wrong(f"the result has {outputs} outputs and {len(time)} output times")
     if (order := values.pop("point", None)) is not None:
         rows = np.argsort(order, axis=1, kind="stable")
+        numbers = np.take_along_axis(order, rows, axis=1)
+        if np.any(numbers != numbers[0]) or np.any(np.diff(numbers[0]) <= 0):
+            raise wrong("the numbers of the points differ between output times, or one stands for two points")
         values = {name: np.take_along_axis(array, rows, axis=1) for name, array in values.items()}
     return np.asarray(time, dtype=float), values
 

@@ -25,7 +25,7 @@ def check(what: str, studies: tuple[str, ...]) -> None:
     """
     from mpmverify import studies as shipped
     from mpmverify.adapters.check import check as found_in
-    from mpmverify.adapters.check_problem import check_problem
+    from mpmverify.adapters.check_problem import check_problem, not_looked_at
     from mpmverify.adapters.files import Files
     from mpmverify.adapters.names import own_object, own_solver
     from mpmverify.cli.solving import declared
@@ -35,7 +35,11 @@ def check(what: str, studies: tuple[str, ...]) -> None:
         found = check_problem(problem)
         for remark in found:
             _say(remark)
-        click.echo(f"{problem.problem.name}: {f'{len(found)} remarks' if found else 'every equation holds'}.")
+        for missing in not_looked_at(problem):
+            click.echo(f"  NOT LOOKED AT: {missing}.")
+        click.echo(
+            f"{problem.problem.name}: {_count(len(found), 'remark') if found else 'every equation that was looked at holds'}."
+        )
         sys.exit(1 if found else 0)
     own = own_solver(what)
     wanted = [own.study(declared)] if isinstance(own, Files) else [declared(name) for name in studies or shipped.NAMES]
@@ -49,6 +53,8 @@ def check(what: str, studies: tuple[str, ...]) -> None:
                 remarks = found_in(own, case)
             except UsageError as error:
                 refusal = str(error)
+                if studies:
+                    click.echo(f"Left out: {study.name}, {case.name}: {refusal}", err=True)
                 continue
             looked += 1
             click.echo(f"{study.name}, {case.name}: {'nothing found' if not remarks else ''}")
@@ -57,8 +63,15 @@ def check(what: str, studies: tuple[str, ...]) -> None:
             wrong, crashed = wrong + len(remarks), crashed + sum(remark.crashed for remark in remarks)
     if not looked:
         raise UsageError(refusal)
-    click.echo(f"{looked} cases looked at, {wrong} remarks." + ("" if wrong else f" Next: mpmverify run --with {what}"))
+    click.echo(
+        f"{_count(looked, 'case')} looked at, {_count(wrong, 'remark')}."
+        + ("" if wrong else f" Next: mpmverify run --with {what}")
+    )
     sys.exit(3 if crashed else 1 if wrong else 0)
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _say(remark: "Remark") -> None:

@@ -99,9 +99,8 @@ def study_tree(
 
 
 def _describe(value: Any) -> str:
-    choices = ", ".join(
-        f"{f.name}={getattr(value, f.name)!r}" for f in (dataclasses.fields(value) if dataclasses.is_dataclass(value) else ())
-    )
+    shown = [f.name for f in dataclasses.fields(value) if f.repr] if dataclasses.is_dataclass(value) else []
+    choices = ", ".join(f"{name}={getattr(value, name)!r}" for name in shown)
     return f"{type(value).__name__}({choices})"
 
 

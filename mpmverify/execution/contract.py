@@ -12,6 +12,9 @@ from mpmverify.problem import Discretisation, Problem
 from mpmverify.problem.quantities import components, history_units
 from mpmverify.solution import Outcome, Solution, Status
 
+LEAST_OUTPUTS = 4
+"""Intervals between outputs without which the largest error over them says nothing of a run."""
+
 
 def lacking(solver: Any) -> list[str]:
     """Return the attributes of the protocol `Solver` that an object lacks."""
@@ -60,6 +63,12 @@ def breach(solution: Solution, problem: Problem, level: Discretisation) -> str:
             return f"its {what} times do not rise strictly"
         if abs(times[-1] - end) > 1e-9 * end:
             return f"it reports completion, but its last {what} is at {times[-1]:.12g} s and the final time is {end:.12g} s"
+    asked = min(len(solution.histories["time"]) - 1, problem.outputs)
+    needed = min(asked, LEAST_OUTPUTS)
+    if len(solution.time) < needed + 1:
+        return f"it returned {len(solution.time)} outputs: the problem asks for {asked + 1}, and {needed + 1} are needed"
+    if needed and (gap := float(np.max(np.diff(solution.time)))) > 2 * (1 + 1e-6) * end / needed:
+        return f"its outputs leave out {gap:.6g} s: the problem asks for one every {end / asked:.6g} s"
     if np.any(solution.weight < 0):
         return f"its weights are negative, down to {np.min(solution.weight):g}"
     covered, measure = float(np.sum(solution.weight[0])), problem.measure
