@@ -188,7 +188,7 @@ def test_poissons_ratio_enters_through_the_constrained_modulus_alone(solver: Sol
 @every_solver
 def test_declared_invariants_are_kept_to_round_off(solver: Solver) -> None:
     assert solver.conserves <= {"mass", "momentum"}
-    assert "momentum" in solver.conserves
+    assert ("momentum" in solver.conserves) == ("tls" not in solver.name), "fits in the cells do not keep it"
     source_terms = {"mass": "", "momentum": "impulse"}
     solution, setting = pulled(solver), Setting(VerificationProblem(PULLED, ExactSolution({}, ""), "", ()), LEVEL)
     assert np.ptp(solution.histories["impulse"]) > 0.1 * PULL * END_TIME
@@ -201,7 +201,8 @@ def test_declared_invariants_are_kept_to_round_off(solver: Solver) -> None:
 def test_a_free_bar_gains_the_momentum_of_its_forces(solver: Solver) -> None:
     history = solver.solve(FREE, LEVEL).histories
     expected = (PULL + BAR.density * LENGTH * PULL) * history["time"]
-    assert_close(history["momentum"], expected, abs=1e-12 * expected[-1])
+    round_off = 1e-12 if "momentum" in solver.conserves else 1e-2
+    assert_close(history["momentum"], expected, abs=round_off * expected[-1])
     assert_close(history["impulse"], expected, abs=1e-12 * expected[-1])
     assert_close(history["mass"], BAR.density * LENGTH, rel=1e-13)
 

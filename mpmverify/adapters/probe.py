@@ -57,13 +57,11 @@ class Probe:
     def stress(self, X: Array, t: Array) -> Array:
         """Stress tensor whose divergence accelerates the body (T, P, dim, dim): the first Piola-Kirchhoff stress at finite strain."""
         d, law = self.dimension, self.problem.problem.material
+        assert isinstance(law, LinearElastic), "a transported scalar has no stress"
         if self.has("stress"):
             sigma = self.of("stress")(X, t)
-        elif type(law) in KIRCHHOFF:
-            sigma = cauchy_stress(law, self.gradient(X, t))
         else:
-            assert isinstance(law, LinearElastic), "a transported scalar has no stress"
-            sigma = elastic_stress(law, self.gradient(X, t))
+            sigma = (cauchy_stress if type(law) in KIRCHHOFF else elastic_stress)(law, self.gradient(X, t))
         tensor = np.zeros((*sigma.shape[:2], d, d))
         for c, pair in enumerate(SYMMETRIC.get(d, ("xx",))):
             i, j = "xyz".index(pair[0]), "xyz".index(pair[1])

@@ -187,11 +187,11 @@ def _by_output(values: dict[str, Array], deck: Deck) -> tuple[Array, dict[str, A
     if len(time) != outputs:
         raise wrong(f"the result has {outputs} outputs and {len(time)} output times")
     if (order := values.pop("point", None)) is not None:
-        rows = np.argsort(order, axis=1, kind="stable")
-        numbers = np.take_along_axis(order, rows, axis=1)
+        sorting = np.argsort(order, axis=1, kind="stable")
+        numbers = np.take_along_axis(order, sorting, axis=1)
         if np.any(numbers != numbers[0]) or np.any(np.diff(numbers[0]) <= 0):
             raise wrong("the numbers of the points differ between output times, or one stands for two points")
-        values = {name: np.take_along_axis(array, rows, axis=1) for name, array in values.items()}
+        values = {name: np.take_along_axis(array, sorting, axis=1) for name, array in values.items()}
     return np.asarray(time, dtype=float), values
 
 
