@@ -26,6 +26,7 @@ NAMES = (
     "plane-waves",
     "loads-and-supports",
     "moving-bodies",
+    "combinations",
     "mpm-stability",
 )
 BASELINE = Path(__file__).with_name("baseline.json")

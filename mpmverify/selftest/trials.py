@@ -59,6 +59,7 @@ PATCH, WAVES, LOADS, MOVING, LARGE = (
     "moving-bodies",
     "large-deformation",
 )
+COMBINED = "combinations"
 VIBRATION, DRIVEN, BAR, ADVECTION, DECK, MANUFACTURED, DISPERSION = (
     "axial-vibration",
     "driven-bar",
@@ -125,6 +126,16 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(WAVES, "clamped", "mpm-ul-tls-linear-usl-flip"),
         Trial(MOVING, "square, several threads", "mpm-ul-quadratic-usl-apic"),
         Trial(WAVES, "yeoh-cuboid", "mpm-tl-linear-musl-flip"),
+        Trial(COMBINED, "CPDI, sheared", "mpm-ul-cpdi-usl-flip"),
+        Trial(COMBINED, "CPDI, space", "mpm-ul-cpdi-usl-flip"),
+        Trial(COMBINED, "cpGIMP, stretched", "mpm-ul-cpgimp-usl-flip"),
+        Trial(COMBINED, "uGIMP, affine", "mpm-ul-ugimp-usl-apic"),
+        Trial(COMBINED, "TPIC, spinning", "mpm-ul-quadratic-usl-tpic"),
+        Trial(COMBINED, "splines, joined under a load", "mpm-ul-quadratic-usl-apic"),
+        Trial(COMBINED, "moving least squares, plane", "mpm-ul-mls-quadratic-usl-flip"),
+        Trial(COMBINED, "Taylor least squares, finite strain", "mpm-tl-tls-linear-usl-flip"),
+        Trial(COMBINED, "Taylor least squares, quadratic", "mpm-ul-tls-quadratic-usl-flip"),
+        Trial(COMBINED, "FMPM(4)", "mpm-tl-linear-musl-fmpm4"),
     ),
     "taylor_galerkin": (
         Trial(DECK, "deck", "tg-lumped"),
@@ -141,6 +152,7 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(VIBRATION, "literature", "tg-consistent-3"),
         Trial(BAR, "step", "tg-consistent-3"),
         Trial(DISPERSION, "beyond-the-limit", "tg-lumped"),
+        Trial(COMBINED, "step against the axis", "tg-lumped"),
     ),
     "fem": (
         Trial(DRIVEN, "loaded-right", "fem-p1-consistent-newmark"),
