@@ -11,7 +11,12 @@ from click.testing import CliRunner
 
 from mpmverify import studies
 from mpmverify.adapters.check import check
+from mpmverify.adapters.mistakes import Run
 from mpmverify.cli import cli
+from mpmverify.criteria import Stall
+from mpmverify.criteria.criterion import Setting
+from mpmverify.criteria.evidence import Level, evidence_of
+from mpmverify.criteria.histories import energy_drift, moved_momentum
 from mpmverify.errors import UsageError
 from mpmverify.execution.verify import verify
 from mpmverify.problem import components
@@ -238,3 +243,45 @@ def test_the_ends_alone_are_no_outputs():
     (finding, *_) = verify(Mistaken(ends), studies.get("driven-bar"), "loaded-right")
     assert finding.verdict == "ERROR"
     assert "it returned 2 outputs: the problem asks for 33, and 5 are needed" in finding.reason
+
+
+# Harness: what criteria and readers measure.
+
+
+def solved(case_, level: int = 0):
+    setting = Setting(case_.problem, case_.ladder_in_h().levels[level])
+    return RIGHT.solve(case_.problem.problem, setting.discretisation), setting
+
+
+def test_heat_counts_in_the_energy_of_viscous_bodies_alone():
+    solution, setting = solved(BOX)
+    warm = dataclasses.replace(solution, histories={**solution.histories, "dissipated_energy": solution.histories["time"]})
+    assert energy_drift(warm, setting) == energy_drift(solution, setting)
+
+
+def test_what_moves_is_of_the_mass_at_the_start():
+    solution, setting = solved(BOX)
+    heavier = solution.weight.copy()
+    heavier[-1] *= 2
+    density = setting.problem.problem.material.density
+    assert moved_momentum(dataclasses.replace(solution, weight=heavier), density) == moved_momentum(solution, density)
+
+
+def test_a_stall_has_a_known_size_on_both_of_the_finest_levels():
+    h, errors = np.array([0.1, 0.05, 0.025, 0.0125]), np.array([0.5, 0.5, 0.5, 0.15])
+    stall = Stall("u", "L2", 5.0, 0.1, 0.2, "")
+    levels = [
+        Level("hill", "s", "nu", size, 0.5, 1, "", dt=size / 2, errors={"u": (np.full(4, e), np.ones(4))}, outcome="completed")
+        for size, e in zip(h, errors, strict=True)
+    ]
+    assert stall.judge(evidence_of(levels))[0] == "FAIL"
+
+
+def test_a_product_counts_shear_stresses_twice():
+    solution, setting = solved(BOX)
+    run = Run(setting.problem, setting.discretisation, solution, ())
+    shear = np.zeros_like(solution.fields["stress"])
+    shear[..., 2] = 1.0
+    normal = np.zeros_like(shear)
+    normal[..., 0] = 1.0
+    assert run.product("stress", shear, shear) == pytest.approx(2 * run.product("stress", normal, normal))

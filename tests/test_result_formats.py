@@ -240,6 +240,16 @@ def test_columns_of_a_table_without_times_are_those_of_the_problem(tmp_path):
         read_result(tmp_path, "all.csv", "", {}, deck)
 
 
+def test_the_time_step_is_the_largest_of_the_histories(tmp_path):
+    deck = deck_of(1)
+    expected = solution(deck)
+    uneven = np.array([0.0, 0.1, 0.4, 1.0]) * deck.problem.end_time
+    write_table(tmp_path / "histories.csv", {"time": uneven}, ",", "")
+    found = read_result(tmp_path, as_npz(tmp_path, expected, 1), "histories.csv", {}, deck)
+    assert found.dt == pytest.approx(0.6 * deck.problem.end_time)
+    assert found.work.steps == 3
+
+
 def test_a_point_has_one_number(tmp_path):
     deck = deck_of(1)
     expected = solution(deck)
