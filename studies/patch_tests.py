@@ -44,7 +44,7 @@ MOVED_SOURCE = (
     "O((t |L|)^2) |L|; domains add the part of it that their stretch is behind"
 )
 FIRST_SOURCE = (
-    "own derivation: USF takes the gradient of old velocities over new positions, L (I - dt L), which is off by O(t |L|) |L|"
+    "own derivation: USF takes the gradient of old velocities over new positions, L (I - dt L), which is off by O(t L)"
 )
 CLAMPED_SOURCE = (
     "own derivation: the lumped mass of the second function at a clamped end has its centre away from its node, for quadratic ones and two "
@@ -140,7 +140,7 @@ def _inside(solver: MaterialPoint | Textbook, problem: VerificationProblem) -> t
     bound, source = 1e-12, HOMOGENEOUS_SOURCE
     if solver.formulation == "updated":
         usf = solver.schedule == "USF"
-        bound, source = (2 * strain * rate**2, FIRST_SOURCE) if usf else (5 * strain**2 * rate**3, MOVED_SOURCE)
+        bound, source = (2 * strain, FIRST_SOURCE) if usf else (5 * strain**2 * rate**3, MOVED_SOURCE)
         if solver.basis == "cpdi":
             bound, source = strain, MOVED_SOURCE
     return (
