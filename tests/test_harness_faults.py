@@ -589,7 +589,7 @@ FAULTS = {
     "first history alone": Fault(SUMS, "np.concatenate(list(defects.values()))", "list(defects.values())[0]"),
     "drift for rise": Fault(HISTORIES, "np.minimum.accumulate(total)", "total[0]"),
     "last rise alone": Fault(HISTORIES, "np.minimum.accumulate(total)", "np.minimum(total, total[-1])"),
-    "scale of the net momentum alone": Fault(HISTORIES, "scales.append(moved_momentum(", "scales.append(0 * moved_momentum("),
+    "scale of the net momentum alone": Fault(HISTORIES, "defect, max(scale, moved))", "defect, scale)"),
     "speed of what moves for its momentum": Fault(HISTORIES, "return float(density * np.max(", "return float(np.max("),
     "total at the last step alone": Fault(
         HISTORIES, "for name in names]).T - exact\n", "for name in names]).T - exact\n        defect = defect[-1:]\n"

@@ -68,23 +68,19 @@ class Balance:
         body = problem.material if self.stock == "mass" else None
         start = body.density * problem.measure if isinstance(body, LinearElastic) else stock[0]
         defect = stock - start - (change - change[0])
-        scales, density = [np.max(np.abs(stock)), np.max(np.abs(change))], 0.0
-        if self.stock == "momentum" and isinstance(problem.material, LinearElastic):
-            density = problem.material.density
-            scales.append(moved_momentum(solution, density))
-        found = dict(relative_defect(self._metric, defect, np.max(scales)))
-        if len(scales) > 2 and (apart := _apart(solution, stock, density, scales[-1])) > FAR:
-            found[OF_POINTS] = apart
-        return found
+        scale = max(np.max(np.abs(stock)), np.max(np.abs(change)))
+        if self.stock != "momentum" or not isinstance(problem.material, LinearElastic):
+            return relative_defect(self._metric, defect, scale)
+        moved, density = moved_momentum(solution, problem.material.density), problem.material.density
+        found = relative_defect(self._metric, defect, max(scale, moved))
+        apart = _apart(solution, stock, density, moved)
+        return {**found, OF_POINTS: apart} if apart > FAR else found
 
     def judge(self, evidence: Evidence) -> Judgement:
         if where := first_absent(self._metric, evidence):
             return Verdict.ERROR, f"nothing to balance: {self.stock} and all that moves are zero throughout at {where}"
-        apart = (
-            float(np.max(evidence.metrics[OF_POINTS])) if self.stock == "momentum" and OF_POINTS in evidence.metrics else 0.0
-        )
-        if apart > FAR:
-            off = f"off by up to {apart:.2g} of what moves"
+        if self.stock == "momentum" and OF_POINTS in evidence.metrics:
+            off = f"off by up to {np.nanmax(evidence.metrics[OF_POINTS]):.2g} of what moves"
             return Verdict.FAIL, f"the momentum is not the sum of density x volume x velocity over the sample points: {off}"
         return judge_largest(evidence.metrics[self._metric], self.bound, "relative defect")
 
