@@ -71,7 +71,8 @@ def _results(index: Path, entries: Mapping[str, Any]) -> tuple[Path, ...]:
 
 
 def _matching(folder: Path, pattern: str, path: Path) -> list[Path]:
-    found = sorted(entry for entry in folder.glob(pattern) if entry.is_file())
+    places = [Path(pattern)] if Path(pattern).is_absolute() else folder.glob(pattern)
+    found = sorted(entry for entry in places if entry.is_file())
     if not found:
         raise UsageError(f"sources in '{path}': there is no file {pattern!r}; build it, or correct the name")
     return found
@@ -89,8 +90,16 @@ def _text(value: Any) -> bool:
     return isinstance(value, str) and bool(value) and "\0" not in value
 
 
+def _name(value: Any) -> bool:
+    return _text(value) and "/" not in value and not value.startswith(".")
+
+
+def _inside(value: Any) -> bool:
+    return _text(value) and not Path(value).is_absolute() and ".." not in Path(value).parts
+
+
 TYPES: Mapping[str, tuple[Callable[[Any], bool], str]] = {
-    "name": (_text, "a text"),
+    "name": (_name, "a text without '/' that does not begin with '.'"),
     "orders": (
         lambda value: (
             isinstance(value, dict) and bool(value) and value.keys() <= UNITS.keys() and all(map(_number, value.values()))
@@ -102,8 +111,8 @@ TYPES: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "problems": (_text, "the name of a file"),
     "sources": (_texts, "a list of names or patterns of files"),
     "points": (lambda value: value in ("particles", "nodes"), "particles or nodes"),
-    "result": (_text, "the name or pattern of files"),
-    "histories": (lambda value: isinstance(value, str), "the name of a file"),
+    "result": (_inside, "the name or pattern of files in the folder of a run"),
+    "histories": (lambda value: value == "" or _inside(value), "the name of a file in the folder of a run"),
     "columns": (
         lambda value: isinstance(value, dict) and all(isinstance(entry, str) for entry in value.values()),
         "a table of names of columns",
