@@ -201,7 +201,7 @@ def test_declared_invariants_are_kept_to_round_off(solver: Solver) -> None:
 def test_a_free_bar_gains_the_momentum_of_its_forces(solver: Solver) -> None:
     history = solver.solve(FREE, LEVEL).histories
     expected = (PULL + BAR.density * LENGTH * PULL) * history["time"]
-    round_off = 1e-12 if "momentum" in solver.conserves else 1e-2
+    round_off = 1e-12 if "momentum" in solver.conserves else 1e-4  # fits in the cells are off by 6e-5 here
     assert_close(history["momentum"], expected, abs=round_off * expected[-1])
     assert_close(history["impulse"], expected, abs=1e-12 * expected[-1])
     assert_close(history["mass"], BAR.density * LENGTH, rel=1e-13)

@@ -106,9 +106,9 @@ class Deck:
     def statement(self) -> dict[str, Any]:
         """Return what `problem.json` says beside boundary conditions and body force."""
         problem, (steps, dt) = self.problem, self.steps
-        material = {name: getattr(problem.material, name) for name in MODULI if hasattr(problem.material, name)}
-        speed = {"velocity": problem.material.velocity} if isinstance(problem.material, Transport) else {}
-        density = {} if speed else {"density": problem.material.density}  # type: ignore[union-attr]
+        law = problem.material
+        material = {"velocity": law.velocity} if isinstance(law, Transport) else {"density": law.density}
+        material |= {name: getattr(law, name) for name in MODULI if hasattr(law, name)}
         return {
             "format": FORMAT,
             "name": problem.name,
@@ -122,11 +122,9 @@ class Deck:
             "end_time": problem.end_time,
             "output_steps": output_steps(steps, problem.outputs).tolist(),
             "points": len(self.sample[0]),
-            "law": type(problem.material).__name__,
-            **density,
-            **speed,
+            "law": type(law).__name__,
             **material,
-            "wave_speed": problem.material.wave_speed,
+            "wave_speed": law.wave_speed,
         }
 
     def _boundary(self, folder: Path) -> dict[str, dict[str, Any]]:

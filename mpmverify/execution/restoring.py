@@ -29,7 +29,7 @@ def restored() -> Iterator[None]:
         os.environ.clear()
         os.environ.update(variables)
         sys.path[:] = path
-        np.random.set_state(state)  # noqa: NPY002
+        np.random.set_state(state)  # noqa: NPY002 - the same
         if alarm:
             signal.alarm(0)
             signal.signal(alarm, action)
