@@ -24,7 +24,7 @@ from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
 from mpmverify.execution.runner import Plan, run
 from mpmverify.judgement.baseline import Baseline, read_baseline
-from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
+from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, StudyKills, UnmodifiedRun
 from mpmverify.problem import Discretisation
 from mpmverify.selftest import processes, session
 from mpmverify.selftest.fault_judge import CONTRACT, FaultJudge, deviation
@@ -312,6 +312,32 @@ def test_the_fate_of_a_fault(name, judged):
     assert result.fate is fate, result
     assert (result.finding is not None) == (fate in (Fate.KILLED, Fate.BROKEN))
     assert (result.deviation > 1e-11) == (fate is Fate.SURVIVED)
+
+
+def test_every_study_is_tried_after_a_kill_and_a_study_that_passes_is_named(tmp_path):
+    """The strain energy that the deck survives is caught by the bar; with `every_study`, a fault that one kills runs the other."""
+    deck = Trial("gehojerez-deck", "deck", "tg-lumped").of(studies.get)
+    bar = Trial("driven-bar", "loaded-right", "tg-lumped").of(studies.get)
+    none = Baseline(tmp_path / "none.json")
+    assert len(list(run([deck, bar], Plan(Results(tmp_path), none, jobs=0)))) == 2
+    lines = tuple(lines_run(trial, SOURCES, tmp_path) for trial in (deck, bar))
+    survived = Fault("taylor_galerkin", "named", "survived", (FATES["survived"][0],))
+    killed = Fault("taylor_galerkin", "named", "killed", (FATES["killed"][0],))
+    with little_optimisation():
+        judge = FaultJudge(SOURCES, (deck, bar), none, tmp_path, tmp_path, lines, every_study=True)
+        energy, step = judge.judge(survived), judge.judge(killed)
+        first = dataclasses.replace(judge, every_study=False).judge(killed)
+    assert (energy.fate, energy.killed_by, energy.passed) == (Fate.KILLED, ("driven-bar",), ("gehojerez-deck",))
+    assert (step.killed_by, step.passed, step.trials) == (("gehojerez-deck", "driven-bar"), (), 2)
+    assert (first.killed_by, first.passed, first.trials) == (("gehojerez-deck",), (), 1)
+
+
+def test_the_table_of_studies_counts_the_faults_that_one_study_alone_kills():
+    killers = (("a", "b"), ("a,b", ""), ("", "a"), ("b", ""))
+    rows = tuple(dataclasses.replace(FAULT, id=str(k), killed_by=by, passed=no) for k, (by, no) in enumerate(killers))
+    test = SelfTest("quick", 99, rows, (RUN,), RATES, every_study=True)
+    assert test.studies() == (StudyKills("a", killed=2, alone=1, ran=3), StudyKills("b", killed=2, alone=1, ran=3))
+    assert dataclasses.replace(test, every_study=False).studies() == ()
 
 
 def test_an_invalid_solution_is_killed_by_the_contract_and_a_solver_that_raises_does_not_run(judged):

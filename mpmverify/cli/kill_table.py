@@ -18,6 +18,11 @@ def show_selftest(test: SelfTest, *, explain: bool = False) -> None:
     totals = [sum(fates[fate] for fates in rows.values()) for fate in Fate]
     table.add_row("all", *(f"[bold]{count}[/]" for count in (sum(totals), *totals)))
     output.print(table)
+    if test.every_study:
+        by_study = Table("study", "ran", "killed", "killed by it alone")
+        for study in test.studies():
+            by_study.add_row(study.study, str(study.ran), str(study.killed), str(study.alone))
+        output.print(by_study)
     for fault in test.faults:
         if explain or fault.fate in (Fate.SURVIVED, Fate.UNDECIDED, Fate.NOT_EXERCISED):
             said = f"{fault.verdict} {fault.study}/{fault.case}/{fault.solver}: {fault.criterion}: " if fault.verdict else ""

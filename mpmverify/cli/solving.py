@@ -122,8 +122,9 @@ def run(
     show_default=True,
     help="The named faults alone, or those by rule, too.",
 )
+@click.option("--every-study", is_flag=True, help="Try a fault on every study, not only up to its first kill: takes hours.")
 @click.option("--explain", is_flag=True, help="Print what killed every fault.")
-def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, explain: bool) -> None:
+def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, every_study: bool, explain: bool) -> None:
     """Plant faults in the shipped solvers and see that the studies catch them; and that they pass the unmodified ones.
 
     What is known of a fault is kept: an interrupted self-test goes on where it was.
@@ -142,7 +143,8 @@ def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, expl
     results.create()
     sources = Path(solvers.__file__).parent
     with Progress(Console(stderr=True)) as progress:
-        test = Session(results, studies.get, sources, known, tier, jobs or processors()).run(progress.update)
+        session = Session(results, studies.get, sources, known, tier, jobs or processors(), every_study)
+        test = session.run(progress.update)
     write_selftest(results.selftest, test)
     show_selftest(test, explain=explain)
     show_report(results)

@@ -42,7 +42,9 @@ def write_selftest(path: Path, test: SelfTest) -> None:
     attributes = provenance.attributes(
         "selftest", "Planted faults", "Verdicts on solvers with one fault each, and on random series of known truth."
     )
-    root = xr.Dataset(attrs=attributes | {"id": "selftest", "tier": test.tier, "sites": test.sites})
+    root = xr.Dataset(
+        attrs=attributes | {"id": "selftest", "tier": test.tier, "sites": test.sites, "every_study": int(test.every_study)}
+    )
     groups = {"/": root, "/faults": _columns("fault", test.faults), "/runs": _columns("run", test.runs)}
     groups |= {f"/{name}": _columns("kind", getattr(test.rates, name)) for name in RATES}
     tree = xr.DataTree.from_dict(groups)
@@ -77,7 +79,8 @@ def read_selftest(path: Path) -> SelfTest:
             )
             runs = _rows(UnmodifiedRun, tree["runs"].to_dataset())
             rates = Rates(*(_rows(Rate, tree[name].to_dataset()) for name in RATES))
-            return SelfTest(str(attributes["tier"]), int(attributes["sites"]), faults, runs, rates)
+            every_study = bool(attributes["every_study"])
+            return SelfTest(str(attributes["tier"]), int(attributes["sites"]), faults, runs, rates, every_study)
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise damaged(path) from error
 

@@ -61,6 +61,8 @@ class PlantedFault:
         differ.
     trials : int
         Number of these trials.
+    killed_by, passed : str
+        Names of the studies that killed the fault, and of those that ran it and did not, separated by commas.
     seconds : float
         Time of the trials, including compilation [s].
     explanation : str
@@ -85,6 +87,8 @@ class PlantedFault:
     reason: str = ""
     deviation: float = 0.0
     trials: int = 0
+    killed_by: str = ""
+    passed: str = ""
     seconds: float = 0.0
     explanation: str = ""
 
@@ -139,6 +143,25 @@ class Rates:
 
 
 @dataclass(frozen=True)
+class StudyKills:
+    """What one study saw of the planted faults.
+
+    Parameters
+    ----------
+    study : str
+    killed, alone : int
+        Number of faults that it killed, and of those that no other study killed.
+    ran : int
+        Number of faults that it ran.
+    """
+
+    study: str
+    killed: int
+    alone: int
+    ran: int
+
+
+@dataclass(frozen=True)
 class SelfTest:
     """Results of a self-test.
 
@@ -150,6 +173,8 @@ class SelfTest:
     faults : tuple of PlantedFault
     runs : tuple of UnmodifiedRun
     rates : Rates
+    every_study : bool
+        Whether each fault ran the trials of every study, and not only those up to its first kill.
     """
 
     tier: str
@@ -157,6 +182,7 @@ class SelfTest:
     faults: tuple[PlantedFault, ...]
     runs: tuple[UnmodifiedRun, ...]
     rates: Rates = Rates()
+    every_study: bool = False
 
     @property
     def unexplained(self) -> tuple[PlantedFault, ...]:
@@ -180,3 +206,16 @@ class SelfTest:
         """Number of faults by rule and fate, the named ones first."""
         rules = sorted({fault.rule for fault in self.faults}, key=lambda rule: (rule != "named", rule))
         return {rule: {fate: sum(f.rule == rule and f.fate is fate for f in self.faults) for fate in Fate} for rule in rules}
+
+    def studies(self) -> tuple[StudyKills, ...]:
+        """What each study saw of the faults; empty unless each fault ran every study."""
+        if not self.every_study:
+            return ()
+        killed = [set(filter(None, fault.killed_by.split(","))) for fault in self.faults]
+        ran = [by | set(filter(None, fault.passed.split(","))) for by, fault in zip(killed, self.faults, strict=True)]
+        return tuple(
+            StudyKills(
+                name, sum(name in by for by in killed), sum(by == {name} for by in killed), sum(name in by for by in ran)
+            )
+            for name in sorted(set().union(*ran))
+        )

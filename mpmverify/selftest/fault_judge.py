@@ -47,6 +47,8 @@ class FaultResult:
         Largest relative deviation of its results from the unmodified solver's, over the trials that did not kill it.
     trials : int
         Number of trials that were run.
+    killed_by, passed : tuple of str
+        Studies whose verification killed the fault, and studies that it ran without being killed.
     seconds : float
         Wall time, including compilation [s].
     """
@@ -56,6 +58,8 @@ class FaultResult:
     reason: str = ""
     deviation: float = 0.0
     trials: int = 0
+    killed_by: tuple[str, ...] = ()
+    passed: tuple[str, ...] = ()
     seconds: float = 0.0
 
 
@@ -77,6 +81,8 @@ class FaultJudge:
         Parent folder of the temporary folders.
     lines : tuple of Lines
         Lines that each trial runs; a fault is tried where it is reached alone.
+    every_study : bool
+        Whether a fault that one study killed runs the trials of the other studies, too.
     """
 
     sources: Path
@@ -85,9 +91,10 @@ class FaultJudge:
     original: Path
     scratch: Path
     lines: tuple[Lines, ...]
+    every_study: bool = False
 
     def judge(self, fault: Fault) -> FaultResult:
-        """Run the trials that reach the fault until one of them kills it."""
+        """Run the trials that reach the fault until one of them kills it, or until each study has killed it or passed."""
         began = time.perf_counter()
         if not any(reaches(lines, fault, self.sources) for lines in self.lines):
             return FaultResult(Fate.NOT_EXERCISED)
@@ -100,35 +107,47 @@ class FaultJudge:
     def _run_trials(self, fault: Fault, folder: Path) -> FaultResult:
         doubtful: Finding | None = None
         regression: Finding | None = None
-        deviation = 0.0
-        reached = [lines for lines in zip(self.trials, self.lines, strict=True) if reaches(lines[1], fault, self.sources)]
+        deviation, ran = 0.0, 0
+        killed: dict[str, Finding] = {}
+        reached = [trial for trial, lines in zip(self.trials, self.lines, strict=True) if reaches(lines, fault, self.sources)]
         with planted(fault, self.sources, folder) as package:
-            for k, (trial, _) in enumerate(reached, start=1):
-                results = Results(folder / f"trial-{k}")
+            for trial in reached:
+                if trial.name in killed:
+                    continue
+                ran += 1
+                results = Results(folder / f"trial-{ran}")
                 try:
                     faulty = replanted(trial, package)
                 except Exception as error:  # a faulty module may raise anything when imported
-                    return FaultResult(Fate.BROKEN, reason=f"{type(error).__name__}: {error}", trials=k)
+                    return FaultResult(Fate.BROKEN, reason=f"{type(error).__name__}: {error}", trials=ran)
                 try:
                     findings = self._findings(faulty, results)
                 except UsageError as error:
                     return FaultResult(
-                        Fate.BROKEN, reason=f"the solver refuses the problem: {error}", deviation=deviation, trials=k
+                        Fate.BROKEN, reason=f"the solver refuses the problem: {error}", deviation=deviation, trials=ran
                     )
                 if killer := _killer(findings, "verification"):
-                    fate = Fate.KILLED
-                    if f": {Status.CRASHED}" in killer.reason and _raises(faulty):
-                        fate = Fate.BROKEN
-                    elif f": {Status.CRASHED}" in killer.reason:
+                    if f": {Status.CRASHED}" in killer.reason:
+                        if not killed and _raises(faulty):
+                            return FaultResult(Fate.BROKEN, killer, deviation=deviation, trials=ran)
                         killer = dataclasses.replace(killer, criterion=CONTRACT)
-                    return FaultResult(fate, killer, deviation=deviation, trials=k)
+                    killed[trial.name] = killer
+                    if not self.every_study:
+                        break
+                    continue
                 regression = regression or _killer(findings, "regression")
                 doubtful = doubtful or next((f for f in findings if f.verdict is not Verdict.PASS), None)
                 deviation = max(deviation, *self._deviations(trial, faulty, results))
-        if regression:
-            return FaultResult(Fate.REGRESSION, regression, deviation=deviation, trials=len(reached))
-        fate = Fate.EQUIVALENT if deviation <= ROUND_OFF else Fate.SURVIVED
-        return FaultResult(fate, doubtful, deviation=deviation, trials=len(reached))
+        if killed:
+            fate, finding = Fate.KILLED, next(iter(killed.values()))
+        elif regression:
+            fate, finding = Fate.REGRESSION, regression
+        else:
+            fate, finding = (Fate.EQUIVALENT if deviation <= ROUND_OFF else Fate.SURVIVED), doubtful
+        passed = tuple(dict.fromkeys(trial.name for trial in reached if trial.name not in killed))
+        if killed and not self.every_study:
+            passed = ()  # the trials after the first kill were not run
+        return FaultResult(fate, finding, "", deviation, ran, tuple(killed), passed)
 
     def _findings(self, study: Study, results: Results) -> list[Finding]:
         (judged,) = run([study], Plan(results, self.baseline, jobs=0))
@@ -147,7 +166,7 @@ class FaultJudge:
     def _exercised(self, fault: Fault, folder: Path) -> bool:
         """Whether a trial reaches the edited passage: with a tripwire there, which raises or spoils arrays, some result differs."""
         tripped = dataclasses.replace(fault, edits=(_tripwire(fault.edits[0], self.sources),))
-        return self._run_trials(tripped, folder).fate is not Fate.EQUIVALENT
+        return dataclasses.replace(self, every_study=False)._run_trials(tripped, folder).fate is not Fate.EQUIVALENT
 
 
 def _raises(trial: Study) -> bool:

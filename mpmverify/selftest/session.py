@@ -46,6 +46,8 @@ Progress = Callable[[str, int, int], None]
 Row = TypeVar("Row", PlantedFault, UnmodifiedRun)
 
 
+EVERY_STUDY = 10
+"""Factor on the limit of processor time of a fault that runs every study."""
 PATIENT = 600.0
 """Limit on the processor time of a trial of the unmodified solvers, which is traced line by line [s]."""
 
@@ -66,8 +68,10 @@ class Session:
         "quick" plants the named faults; "full" also plants a sample of the faults by rule.
     jobs : int
         Number of faults judged at the same time.
+    every_study : bool
+        Whether a fault that one study killed runs the trials of the other studies, too.
     timeout : float
-        Limit on the processor time of one fault over all trials [s].
+        Limit on the processor time of one fault over the trials up to its first kill [s]; `EVERY_STUDY` times that over all studies.
     """
 
     results: Results
@@ -76,6 +80,7 @@ class Session:
     baseline: Baseline
     tier: str = "quick"
     jobs: int = 1
+    every_study: bool = False
     timeout: float = 120.0
 
     def run(self, progress: Progress = lambda *_: None) -> SelfTest:
@@ -108,7 +113,8 @@ class Session:
         for _ in run(studies, Plan(self._original, self.baseline, jobs=self.jobs)):
             pass  # the results that those of the faulty solvers are compared with
         rows = {fault.id: row for fault, row in self._planted(planted, keys, trials, progress)}
-        return SelfTest(self.tier, sites, tuple(rows[fault.id] for fault in planted), unmodified_runs, known_rates)
+        found_rows = tuple(rows[fault.id] for fault in planted)
+        return SelfTest(self.tier, sites, found_rows, unmodified_runs, known_rates, self.every_study)
 
     def _rates(self, executor: ProcessPoolExecutor) -> Callable[[], Rates]:
         """Measure in another process how often the judge is right about random series; the returned function waits for the rates."""
@@ -164,11 +170,14 @@ class Session:
         with environment(COMPILATION), tempfile.TemporaryDirectory(prefix="mpmverify-") as scratch:
             lines = self._lines({fault.family: trials[fault.family] for fault in waiting}, Path(scratch), imports)
             judges = {
-                family: FaultJudge(self.sources, trials[family], self.baseline, self._original.path, Path(scratch), found)
+                family: FaultJudge(
+                    self.sources, trials[family], self.baseline, self._original.path, Path(scratch), found, self.every_study
+                )
                 for family, found in lines.items()
             }
             tasks = [(judges[fault.family], fault) for fault in waiting]
-            for (_, fault), result in each_alone(_judge, tasks, self.jobs, self.timeout, _failed, imports):
+            timeout = self.timeout * (EVERY_STUDY if self.every_study else 1)
+            for (_, fault), result in each_alone(_judge, tasks, self.jobs, timeout, _failed, imports):
                 row = self._row(fault, result)
                 if result.fate is not Fate.UNDECIDED:  # the machine was too busy: the next self-test tries again
                     _store(self._path(keys[fault.id]), row)
@@ -190,9 +199,8 @@ class Session:
     def _key(self, fault: Fault, trials: tuple[Study, ...]) -> str:
         """Return the content key: the patch, the trials with their unmodified solvers, the baseline and the judging code."""
         patch = sorted(fault.planted(self.sources).items())
-        return digest(
-            fault.id, fault.name, patch, trials, file_digest(self.baseline.path), EXPLAINED.get(fault.id, ""), code=CODE
-        )
+        known = file_digest(self.baseline.path), EXPLAINED.get(fault.id, ""), self.every_study
+        return digest(fault.id, fault.name, patch, trials, *known, code=CODE)
 
     def _row(self, fault: Fault, result: FaultResult) -> PlantedFault:
         at, finding = passage(fault, self.sources), result.finding
@@ -210,6 +218,8 @@ class Session:
             fate=result.fate,
             deviation=result.deviation,
             trials=result.trials,
+            killed_by=",".join(result.killed_by),
+            passed=",".join(result.passed),
             seconds=result.seconds,
             explanation=EXPLAINED.get(fault.id, ""),
             **judgement,
