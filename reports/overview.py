@@ -4,13 +4,12 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from mpmverify.convergence.verdict import Verdict, exit_status, worst
+from mpmverify.convergence.verdict import Verdict, worst
 from mpmverify.judgement.findings import Finding
-from mpmverify.judgement.summary import ranked
+from mpmverify.judgement.summary import KNOWN_LIMIT, ranked
 
 from .notation import ladder, slugs
-from .pages import IndexPage
-from .parts import Cell, Criterion, Fact, GateMark, Group, Judgement, Link, Mark, Origin, Row, Share
+from .parts import Cell, Criterion, Fact, GateMark, Group, Judgement, Mark, Origin, Row, Share
 from .record import Record
 
 GATES = ("verification", "regression")
@@ -54,8 +53,13 @@ def gate_marks(findings: Sequence[Finding]) -> tuple[GateMark, ...]:
 
 
 def shares(findings: Sequence[Finding]) -> tuple[Share, ...]:
-    count = Counter(finding.verdict for finding in findings)
-    return tuple(Share(Mark(v.value.lower(), v.value), count[v]) for v in reversed(Verdict) if count[v])
+    """Return the number of findings of each verdict, the worst first; a PASS on a known limit of a scheme counts by itself."""
+    worst_first = sorted(findings, key=lambda finding: (list(Verdict).index(finding.verdict), finding.word), reverse=True)
+    count = Counter((finding.verdict.value, finding.word) for finding in worst_first)
+    return tuple(
+        Share(Mark("limit", KNOWN_LIMIT) if word != verdict else Mark(verdict.lower(), verdict), number)
+        for (verdict, word), number in count.items()
+    )
 
 
 def cell(findings: Sequence[Finding], href: str) -> Cell:
@@ -166,36 +170,3 @@ def origin(record: Record) -> Origin:
         "Schema": f"{a['mpmverify_schema']}, {a['Conventions']}",
     }
     return Origin(record.name, f"../{record.name}.nc", tuple(Fact(name, str(value)) for name, value in names.items() if value))
-
-
-def index_page(records: Sequence[Record], generator: str, *, trust_page: bool = False) -> IndexPage:
-    """Make the index page from all studies; `trust_page` adds a link to the trust page."""
-    findings = [finding for record in records for finding in record.findings]
-    names = list(dict.fromkeys(solver for record in records for solver in record.schemes))
-    solvers = {record.name: solver_anchors(record) for record in records}
-    places = {record.name: verdict_anchors(record) for record in records}
-    verdicts = [finding.verdict for finding in findings]
-    return IndexPage(
-        title="Verification report",
-        generator=generator,
-        navigation=(
-            Link("Overview", "index.html", True),
-            *((Link("How far to trust this", "trust.html"),) if trust_page else ()),
-            *(Link(str(r.attributes["title"]), f"{r.name}.html") for r in records),
-        ),
-        mark=mark(findings),
-        gates=gate_marks(findings),
-        shares=shares(findings),
-        lacking=judgements([f for record in records for f in record.lacking], lambda f: f"{f.study}.html#lacking"),
-        exit_status=MEANING[exit_status(verdicts, strict=True)],
-        columns=tuple(Link(str(record.attributes["title"]), f"{record.name}.html") for record in records),
-        rows=matrix(
-            [finding for record in records for finding in record.judged],
-            [record.name for record in records],
-            lambda finding: finding.study,
-            lambda study, solver: f"{study}.html#{solvers[study][solver]}",
-            {solver: f"solver-{anchor}" for solver, anchor in slugs(names).items()},
-        ),
-        groups=not_passed(findings, lambda f: f"{f.study}.html#{places[f.study].get((f.case, f.solver), 'lacking')}"),
-        origins=tuple(origin(record) for record in records),
-    )

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from .cards import Card
 from .parts import (
     Curve,
     Fact,
@@ -12,6 +13,7 @@ from .parts import (
     Judgement,
     Link,
     Mark,
+    Matrix,
     Option,
     OrderTable,
     Origin,
@@ -99,16 +101,22 @@ class IndexPage:
     navigation : tuple of Link
     mark : Mark
         The worst verdict of all findings.
-    gates : tuple of GateMark
+    headline, changes : str
+        What failed first and why, and how the errors compare with the baseline, in a sentence each.
+    made : str
+        Commit, tier, platform and date of the results.
     shares : tuple of Share
         Number of findings with each verdict.
     lacking : tuple of Judgement
         One for each study in which series of the baseline are missing.
     exit_status : str
         The exit status of the gate, in a sentence.
-    columns : tuple of Link
-        Studies, the columns of the matrix.
-    rows : tuple of Row
+    cards : tuple of Card
+        One for each study.
+    verdicts, dimensions, families : tuple of str
+        Choices of the filters.
+    matrices : tuple of Matrix
+        One for each family of solvers.
     groups : tuple of Group
         Findings that did not pass.
     origins : tuple of Origin
@@ -118,12 +126,17 @@ class IndexPage:
     generator: str
     navigation: tuple[Link, ...]
     mark: Mark
-    gates: tuple[GateMark, ...]
+    headline: str
+    changes: str
+    made: str
     shares: tuple[Share, ...]
     lacking: tuple[Judgement, ...]
     exit_status: str
-    columns: tuple[Link, ...]
-    rows: tuple[Row, ...]
+    cards: tuple[Card, ...]
+    verdicts: tuple[str, ...]
+    dimensions: tuple[str, ...]
+    families: tuple[str, ...]
+    matrices: tuple[Matrix, ...]
     groups: tuple[Group, ...]
     origins: tuple[Origin, ...]
 

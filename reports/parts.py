@@ -58,6 +58,17 @@ class Row:
 
 
 @dataclass(frozen=True)
+class Matrix:
+    """Verdicts of the solvers of one family in the studies that they ran; `note` counts the solvers."""
+
+    family: str
+    note: str
+    mark: Mark
+    columns: tuple[Link, ...]
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True)
 class Scheme:
     """A solver with its choices and formal orders."""
 

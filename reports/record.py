@@ -138,6 +138,11 @@ class Case:
     setup: tuple[tuple[str, str], ...]
     shown: str
 
+    @property
+    def dimension(self) -> int:
+        """Number of axes of the domain, which the set-up states as "[0, 1] m x [0, 2] m"."""
+        return dict(self.setup)["domain"].count("[")
+
 
 @dataclass(frozen=True)
 class Record:

@@ -15,8 +15,8 @@ from mpmverify.dataset.files import Results, check_ours, set_aside
 from mpmverify.dataset.selftest import read_selftest
 from mpmverify.errors import ResultsError
 
+from .index_page import index_page
 from .manifest import TRUST, Manifest, page
-from .overview import index_page
 from .pages import IndexPage, StudyPage, TrustPage
 from .parts import Link
 from .reader import read

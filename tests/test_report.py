@@ -19,6 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jinja2 import meta
 
+from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Balance, Order
 from mpmverify.criteria.evidence import Evidence, Level, SeriesId, evidence_by_series
 from mpmverify.dataset.files import Results
@@ -29,14 +30,17 @@ from mpmverify.dataset.tables import read_tables
 from mpmverify.errors import DamagedError, ResultsError
 from mpmverify.exact import ExactSolution, VerificationProblem
 from mpmverify.judgement.baseline import Baseline
+from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.judging import judge
 from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
 from mpmverify.problem import Discretisation, Periodic, Problem, Transport
-from mpmverify.reports import charts, render
+from mpmverify.reports import cards, charts, render
 from mpmverify.reports.equations import mathml
 from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs, typeset_numbers
+from mpmverify.reports.overview import shares
 from mpmverify.reports.pages import IndexPage, StudyPage, TrustPage
-from mpmverify.reports.record import Profile
+from mpmverify.reports.record import Estimate, Profile
+from mpmverify.reports.record import Series as RecordSeries
 from mpmverify.reports.site import TEMPLATES, environment
 from mpmverify.reports.still import still
 from mpmverify.reports.thumbnails import HEIGHT, MARGIN, Thumbnail, thumbnail
@@ -283,6 +287,65 @@ def test_a_failed_run_is_listed_once_for_all_criteria_of_its_series(stored: tupl
         assert criteria, name
 
 
+def test_the_overview_has_a_card_for_each_study_and_says_what_failed_first(stored: tuple[Results, list]) -> None:
+    results, table = stored
+    text = (results.report / "index.html").read_text(encoding="utf-8")
+    assert text.count('<li class="card"') == 2
+    words = " ".join(pages(results)["index.html"].text)
+    assert "First ERROR: sample, hill & dale" in words
+    assert "2 different" not in words, "both studies are of one commit, tier and platform"
+    assert f"{len(table)} criteria" in words
+
+
+def test_a_strip_places_a_dot_at_its_order_and_a_cross_at_one_outside_its_band() -> None:
+    estimate = Estimate(*(np.ones(1),) * 2, "1", np.ones(1), (True,), (), 2.0, 1.9, 2.1, 0.0, "converging")
+    outside = dataclasses.replace(estimate, order=9.0)
+    series = RecordSeries(
+        "case",
+        "solver",
+        "Scheme",
+        "ladder",
+        "h",
+        {},
+        (),
+        {("u", "L2"): estimate, ("v", "L2"): outside},
+        {("u", "L2"): (1.5, math.inf), ("v", "L2"): (1.5, math.inf)},
+        (),
+    )
+    assert cards.judged_orders([series]) == [(2.0, 1.5, math.inf, True), (9.0, 1.5, math.inf, True)]
+    series = dataclasses.replace(series, bands={("u", "L2"): (1.8, 2.2), ("v", "L2"): (1.8, 2.2)})
+    drawn = cards.strip([series])
+    middle, end = cards.STRIP_WIDTH / 2, cards.STRIP_WIDTH - cards.LEFT
+    assert re.search(rf'<circle class="dot-in" cx="{middle:.1f}"', drawn)
+    assert f'<path class="dot-out" d="M{end - 3:.1f}' in drawn
+    assert drawn.count('class="accepted"') == 1
+    assert cards.orders([series]) == "2 orders, 2.00 to 9.00; 1 in the accepted band"
+    assert cards.strip([dataclasses.replace(series, bands={})]) == cards.orders([]) == ""
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "said"),
+    [
+        ((), "Nothing was judged."),
+        ((Verdict.PASS,), "Every criterion holds."),
+        ((Verdict.PASS, Verdict.INCONCLUSIVE), "Nothing failed; the evidence does not decide every criterion."),
+        ((Verdict.ERROR, Verdict.FAIL), "First FAIL: study, case, solver: criterion: reason."),
+    ],
+)
+def test_the_headline_names_the_first_failure(verdicts: tuple[Verdict, ...], said: str) -> None:
+    findings = [Finding("study", "case", "solver", "l", "verification", "criterion", v, "reason", "") for v in verdicts]
+    assert cards.headline(findings, shares(findings)) == said
+    changed = [dataclasses.replace(finding, gate="regression") for finding in findings]
+    assert ("1 error changed" in cards.changes(changed)) == (Verdict.FAIL in verdicts)
+
+
+def test_a_known_limit_counts_apart_from_a_plain_pass() -> None:
+    plain = Finding("study", "case", "solver", "l", "verification", "criterion", Verdict.PASS, "reason", "")
+    counted = shares([plain, plain, dataclasses.replace(plain, limit="known limit")])
+    assert [(share.mark.text, share.count) for share in counted] == [("known limit", 1), ("PASS", 2)]
+    assert "1 of them are known limits" not in cards.headline([plain], counted)
+
+
 def test_missing_baseline_series_and_the_restriction_of_the_run_are_shown(tmp_path: Path) -> None:
     whole, known = study(solvers=("good", "also good")), Baseline(tmp_path / "none")
     for solver in whole.solvers():
@@ -508,7 +571,7 @@ def test_only_a_changed_study_is_rendered_and_the_page_of_a_removed_study_is_del
     fresh.study("second").unlink()
     render(fresh)
     assert not (fresh.report / "second.html").exists()
-    assert "second" not in (fresh.report / "index.html").read_text(encoding="utf-8")
+    assert "second.html" not in (fresh.report / "index.html").read_text(encoding="utf-8")
 
 
 def test_rendering_is_reproducible_byte_for_byte(fresh: Results) -> None:

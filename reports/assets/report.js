@@ -336,6 +336,50 @@ function follow() {
   for (const section of document.querySelectorAll("section.case")) spy.observe(section);
 }
 
+/** Filters and sorts the cards of the overview; the choices are kept in the address, so that a link shows the same cards. */
+function filter(form) {
+  const list = document.querySelector(".cards");
+  const cards = [...list.children];
+  const worst = ["ERROR", "FAIL", "INCONCLUSIVE", "PASS"];
+  const by = {
+    verdict: (a, b) => worst.indexOf(a.dataset.verdict) - worst.indexOf(b.dataset.verdict),
+    seconds: (a, b) => b.dataset.seconds - a.dataset.seconds,
+    name: (a, b) => a.dataset.name.localeCompare(b.dataset.name),
+  };
+  const show = () => {
+    const { find, verdict, dimension, family, sort } = Object.fromEntries(new FormData(form));
+    const words = find.toLowerCase().split(/\s+/);
+    const has = (value, among) => !value || among.split("|").includes(value);
+    for (const card of cards) {
+      const { dataset } = card;
+      const found = words.every((word) => dataset.words.includes(word));
+      card.hidden = !(found && has(verdict, dataset.verdict) && has(dimension, dataset.dimension) && has(family, dataset.family));
+    }
+    list.append(...(sort ? cards.toSorted(by[sort]) : cards));
+    const shown = cards.filter((card) => !card.hidden).length;
+    form.querySelector("output").textContent = shown < cards.length ? `${shown} of ${cards.length} studies` : `${shown} studies`;
+  };
+  const restore = () => {
+    const stored = new URLSearchParams(location.hash.includes("=") ? location.hash.slice(1) : "");
+    for (const field of form.elements) if (field.name) field.value = stored.get(field.name) ?? "";
+    for (const field of form.querySelectorAll("select")) if (field.selectedIndex < 0) field.value = "";
+    show();
+  };
+  const keep = () => {
+    const chosen = new URLSearchParams([...new FormData(form)].filter(([, value]) => value));
+    history.replaceState(null, "", `#${chosen}`);
+    show();
+  };
+  form.addEventListener("input", keep);
+  form.addEventListener("submit", (event) => event.preventDefault());
+  addEventListener("hashchange", restore);
+  form.hidden = false;
+  restore();
+}
+
+const filters = document.querySelector("form.filters");
+if (filters) filter(filters);
+
 const cases = new Map();
 const near = new IntersectionObserver(
   (entries) => {
