@@ -35,6 +35,10 @@ class CaseSection:
     Parameters
     ----------
     anchor, name : str
+    unfolded : bool
+        Whether the case is open at first.
+    mark : Mark
+        The worst verdict.
     gates : tuple of GateMark
     exposes, citation : str
         The errors that the problem exposes, and the source of its exact solution.
@@ -68,6 +72,8 @@ class CaseSection:
 
     anchor: str
     name: str
+    unfolded: bool
+    mark: Mark
     gates: tuple[GateMark, ...]
     exposes: str
     citation: str
@@ -149,7 +155,6 @@ class StudyPage:
     ----------
     title, generator : str
     navigation : tuple of Link
-        The index page and the cases.
     restricted_to : str
         The part of the study that was run; "" for the whole study.
     summary : str

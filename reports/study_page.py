@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Mapping, Sequence, Set
+from dataclasses import replace
 from typing import Any
 
 from mpmverify.convergence.verdict import Verdict
@@ -43,16 +44,19 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
     curve_styles = styles(record.series)
     outputs = charts.outputs_within_budget([entry.profile for entry in record.series if entry.profile])
     sections = []
+    doubtful = {finding.case for finding in record.judged if finding.verdict in (Verdict.FAIL, Verdict.ERROR)}
+    unfolded = doubtful or {case.name for case in record.cases[:1]}
     for case in record.cases:
         chosen = [(entry, style) for entry, style in zip(record.series, curve_styles, strict=True) if entry.case == case.name]
         series, styled = [entry for entry, _ in chosen], [style for _, style in chosen]
-        sections.append(_section(case, anchors[case.name], places, series, styled, outputs, runs))
+        section = _section(case, anchors[case.name], places, series, styled, outputs, runs)
+        sections.append(replace(section, unfolded=case.name in unfolded))
     formal = {entry.solver: entry.formal for entry in record.series}
     cases = [case.name for case in record.cases]
     return StudyPage(
         title=str(record.attributes["title"]),
         generator=generator,
-        navigation=(Link("Overview", "index.html"), *(Link(name, f"#{anchors[name]}") for name in cases)),
+        navigation=(Link("Overview", "index.html"),),
         restricted_to=record.restricted_to,
         summary=str(record.attributes["summary"]),
         gates=gate_marks(record.findings),
@@ -101,6 +105,8 @@ def _section(
     return CaseSection(
         anchor=anchor,
         name=case.name,
+        unfolded=False,
+        mark=mark(findings),
         gates=gate_marks(findings),
         exposes=case.exposes,
         citation=case.citation,

@@ -313,25 +313,30 @@ function watch(element, action) {
   observer.observe(element);
 }
 
-/** Opens a folded list when the address points into it. */
+/** Opens the folded parts around what the address points to, and a folded case itself. */
 function unfold() {
   const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
-  const folded = target && target.closest("details");
-  if (!folded) return;
-  folded.open = true;
+  if (!target) return;
+  const own = target.matches("section.case") ? target.querySelector("details") : null;
+  for (let folded = own ?? target.closest("details"); folded; folded = folded.parentElement.closest("details")) folded.open = true;
   target.scrollIntoView();
 }
 
+/** Marks the case that is read in the table of contents. */
 function follow() {
-  const links = new Map([...document.querySelectorAll('header.site a[href^="#"]')].map((link) => [link.hash.slice(1), link]));
+  const links = new Map([...document.querySelectorAll(".contents a")].map((link) => [link.hash.slice(1), link]));
+  const seen = new Set();
   const spy = new IntersectionObserver(
     (entries) => {
-      for (const entry of entries) {
-        if (entry.isIntersecting) links.get(entry.target.id)?.setAttribute("aria-current", "true");
-        else links.get(entry.target.id)?.removeAttribute("aria-current");
+      for (const { isIntersecting, target } of entries) seen[isIntersecting ? "add" : "delete"](target.id);
+      const [first] = [...links.keys()].filter((id) => seen.has(id));
+      for (const [id, link] of links) {
+        if (id === first) link.setAttribute("aria-current", "true");
+        else link.removeAttribute("aria-current");
       }
+      links.get(first)?.scrollIntoView({ block: "nearest" });
     },
-    { rootMargin: "-30% 0px -65% 0px" },
+    { rootMargin: "-15% 0px -75% 0px" },
   );
   for (const section of document.querySelectorAll("section.case")) spy.observe(section);
 }
@@ -397,7 +402,7 @@ const redraw = () => cases.forEach((entry) => entry.redraw());
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
 addEventListener("beforeprint", () => {
   document.documentElement.dataset.theme = "light";
-  for (const list of document.querySelectorAll(".verdicts details, #content > section > details")) list.open = true;
+  for (const list of document.querySelectorAll("#content details")) list.open = true;
   redraw();
 });
 addEventListener("afterprint", () => {
