@@ -131,7 +131,12 @@ def _errors(k: int, entry: Series, style: Style, measure: Measure, estimate: Est
             "line": {"width": 1.5, "color": style.paint},
             "symbol": [style.symbol if kept else f"{style.symbol}-open" for kept in estimate.kept],
         },
-        "meta": {"measure": key(measure), "series": k, "order": order(estimate.order)},
+        "meta": {
+            "measure": key(measure),
+            "series": k,
+            "order": order(estimate.order),
+            "local": [sig(pair, 4) for pair in estimate.pairwise],
+        },
     }
 
 
@@ -166,7 +171,7 @@ def _references(series: Sequence[Series], measure: Measure, size: str, abscissa:
                 "fill": "toself",
                 "fillcolor": "var(--band)",
                 "xaxis": abscissa,
-                "meta": {"measure": key(measure), "members": members},
+                "meta": {"measure": key(measure), "members": members, "accepted": [low, high if math.isfinite(high) else None]},
             }
     for slope, members in sorted(slopes.items()):
         start = _start([series[k] for k in members], measure)
@@ -184,7 +189,7 @@ def _references(series: Sequence[Series], measure: Measure, size: str, abscissa:
                 "cliponaxis": False,
                 "line": {"color": MUTED, "dash": "dash", "width": 1},
                 "xaxis": abscissa,
-                "meta": {"measure": key(measure), "members": members},
+                "meta": {"measure": key(measure), "members": members, "accepted": [slope, slope]},
             }
 
 

@@ -45,6 +45,8 @@ class CaseSection:
     equations : tuple of str
         MathML.
     setup : tuple of Fact
+    drawing, legend : str
+        SVG of the domain with its bodies, supports and loads, and the meaning of the symbols.
     quantities, norms : tuple of Option
         Choices of the convergence chart.
     charted : bool
@@ -79,6 +81,8 @@ class CaseSection:
     citation: str
     equations: tuple[str, ...]
     setup: tuple[Fact, ...]
+    drawing: str
+    legend: str
     quantities: tuple[Option, ...]
     norms: tuple[Option, ...]
     charted: bool

@@ -1,6 +1,5 @@
 """The page of a study."""
 
-import json
 import re
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
@@ -10,9 +9,10 @@ from mpmverify.convergence.verdict import Verdict
 from mpmverify.judgement.findings import Finding
 
 from . import charts
-from .balances import balances
 from .dominance import maps, source_rows
+from .drawing import drawing
 from .equations import mathml
+from .figures import figures
 from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size, typeset_numbers
 from .orders import first_measure, measures, order_tables
 from .overview import (
@@ -31,7 +31,7 @@ from .parts import Curve, Fact, Group, Link, Option, RunRow, Scheme
 from .record import Case, Measure, Record, Series
 from .still import still
 from .styles import STROKES, Style, selection, styles
-from .theory import Theory, theory
+from .theory import theory
 from .thumbnails import thumbnail
 
 DOUBTFUL = 8
@@ -102,6 +102,7 @@ def _section(
     dominance = maps(series)
     curves = _curves(series, curve_styles, shown, first)
     errors = charts.convergence(series, curve_styles, known)
+    drawn, legend = drawing(dict(case.setup))
     return CaseSection(
         anchor=anchor,
         name=case.name,
@@ -112,6 +113,8 @@ def _section(
         citation=case.citation,
         equations=tuple(mathml(latex) for latex in case.equations),
         setup=tuple(_fact(name, value) for name, value in case.setup),
+        drawing=drawn,
+        legend=legend,
         quantities=_options([q for q, _ in known], shown and shown[0], {}),
         norms=_options([norm for _, norm in known], shown and shown[1], NORM_NAMES),
         charted=_charted(ladders),
@@ -127,7 +130,7 @@ def _section(
         sources=tuple(sources),
         runs=tuple(row for entry in series for row in _runs(entry, runs)),
         cost=_cost(series),
-        figures=_figures(series, curve_styles, errors, known_theory, units, outputs, dominance),
+        figures=figures(series, curve_styles, errors, known_theory, units, outputs, dominance),
     )
 
 
@@ -208,38 +211,3 @@ def _cost(series: Sequence[Series]) -> str:
     levels = [level for entry in series for level in entry.levels]
     steps = sum(level.point_steps for level in levels)
     return f"{len(levels)} runs, {number(float(steps))} point-steps, {number(sum(level.seconds for level in levels), 2)} s"
-
-
-def _figures(
-    series: Sequence[Series],
-    curve_styles: Sequence[Style],
-    errors: charts.Figure,
-    known_theory: Theory | None,
-    units: dict[str, str],
-    outputs: int,
-    dominance: list[charts.Figure],
-) -> str:
-    table = []
-    for entry, style in zip(series, curve_styles, strict=True):
-        time = entry.histories.get("time")
-        table.append(
-            {
-                "paint": style.paint,
-                "symbol": style.symbol,
-                "h": cell_size(entry.profile.h) if entry.profile else "",
-                "waves": charts.waves(entry.profile, outputs) if entry.profile else None,
-                "time": charts.floats(time) if time is not None else None,
-                "histories": [charts.history(part) for part in balances(entry)] if time is not None else [],
-            }
-        )
-    body = {
-        "convergence": errors,
-        "theory": known_theory and known_theory.figure,
-        "dominance": dominance,
-        "waves": charts.wave_figures(units),
-        "history": charts.history_layout(),
-        "series": table,
-    }
-    text = json.dumps(body, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
-    # These characters could end the script element or open a comment in it.
-    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")

@@ -74,6 +74,10 @@ class Case {
   }
 
   prepare() {
+    this.on(this.role("view"), "change", () => this.refresh("convergence"));
+    for (const button of this.section.querySelectorAll("[data-download]")) {
+      this.on(button, "click", () => this.download(button.dataset.download));
+    }
     for (const name of ["quantity", "norm"]) this.on(this.role(name), "change", this.chooseMeasure);
     for (const box of this.section.querySelectorAll("input[data-series]")) this.on(box, "change", () => this.refreshSeries());
     for (const button of this.section.querySelectorAll("[data-pick]")) this.on(button, "click", () => this.pick(button.dataset.pick));
@@ -130,7 +134,71 @@ class Case {
     const chosen = this.chosen();
     const mine = data.filter((trace) => trace.meta.measure === this.measure);
     const shown = mine.filter(({ meta }) => (meta.members ? meta.members.some((k) => chosen.has(k)) : chosen.has(meta.series)));
-    return { data: shown, layout: { ...layout, yaxis: { ...layout.yaxis, title: { text: titles[this.measure], standoff: 8 } } } };
+    const view = this.role("view").value;
+    const yaxis = { ...layout.yaxis, title: { text: titles[this.measure], standoff: 8 } };
+    if (view === "local") return this.localOrders(shown, layout);
+    if (view !== "size") return this.costs(shown, { ...layout, yaxis }, view);
+    return { data: shown, layout: { ...layout, yaxis } };
+  }
+
+  /** Returns the chart of the order from each level to the next finer one, with the accepted bands behind it. */
+  localOrders(traces, layout) {
+    const axes = traces.filter(({ meta }) => meta.local).map((trace) => ({ ...trace, y: trace.meta.local }));
+    const bands = new Map(traces.filter(({ meta }) => meta.accepted).map(({ meta }) => [String(meta.accepted), meta.accepted]));
+    const seen = [...axes.flatMap(({ y }) => y), ...[...bands.values()].flat()].filter((value) => value !== null);
+    const low = Math.max(-1, Math.min(...seen) - 0.3);
+    const high = Math.min(6, Math.max(...seen) + 0.3);
+    const shapes = [...bands.values()].map(([y0, y1]) => ({
+      ...{ type: "rect", layer: "below", xref: "paper", x0: 0, x1: 1, y0, y1: y1 ?? high, fillcolor: "var(--band)" },
+      line: { width: y0 === y1 ? 1 : 0, dash: "dash", color: "var(--muted)" },
+    }));
+    const yaxis = { ...layout.yaxis, type: "linear", dtick: undefined, range: [low, high] };
+    return { data: axes, layout: { ...layout, shapes, yaxis: { ...yaxis, title: { text: "order from the coarser level", standoff: 8 } } } };
+  }
+
+  /** Returns the chart of error against cost, with the front of the runs that no other shown run beats in both. */
+  costs(traces, layout, cost) {
+    const drawn = traces
+      .filter(({ meta }) => meta.local)
+      .map((trace) => ({ ...trace, x: this.figures.series[trace.meta.series][cost], xaxis: "x" }));
+    const points = drawn.flatMap(({ x, y }) => x.map((value, k) => [value, y[k]]));
+    const usable = points.filter(([value, error]) => value > 0 && error > 0).sort(([a, e], [b, f]) => a - b || e - f);
+    const front = [];
+    for (const point of usable) if (!front.length || point[1] < front.at(-1)[1]) front.push(point);
+    const line = { color: "var(--muted)", width: 6 };
+    const pareto = {
+      ...{ type: "scatter", mode: "lines", hoverinfo: "skip", opacity: 0.3, line, meta: {} },
+      ...{ x: front.map(([value]) => value), y: front.map(([, error]) => error) },
+    };
+    const title = cost === "seconds" ? "wall time [s]" : "point-steps";
+    const { gridcolor, zerolinecolor, linecolor, exponentformat, automargin } = layout.xaxis;
+    const plain = { gridcolor, zerolinecolor, linecolor, exponentformat, automargin };
+    const { yaxis, ...rest } = Object.fromEntries(Object.entries(layout).filter(([name]) => !/^xaxis/.test(name)));
+    return { data: [pareto, ...drawn], layout: { ...rest, yaxis, xaxis: { ...plain, type: "log", title: { text: title, standoff: 8 } } } };
+  }
+
+  async download(format) {
+    const chart = this.section.querySelector('[data-chart="convergence"]');
+    const name = `${this.section.id}-${this.measure.replace("|", "-")}`;
+    if (format !== "csv") {
+      const Plotly = await plotly();
+      await Plotly.downloadImage(chart, { format, filename: name, width: 900, height: 600, scale: format === "png" ? 2 : 1 });
+      return;
+    }
+    const quoted = (text) => `"${String(text).replaceAll('"', '""')}"`;
+    const chosen = this.chosen();
+    const rows = this.figures.convergence.data
+      .filter(({ meta }) => meta.measure === this.measure && chosen.has(meta.series))
+      .flatMap(({ name: series, x, y, meta }) => {
+        const { seconds, steps } = this.figures.series[meta.series];
+        return x.map((size, k) => [quoted(series), size, y[k], meta.local[k], seconds[k], steps[k]].map((cell) => cell ?? "").join(","));
+      });
+    const text = ["series,size,error,order_from_coarser,wall_seconds,point_steps", ...rows].join("\n");
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([`${text}\n`], { type: "text/csv" }));
+    link.download = `${name}.csv`;
+    link.click();
+    URL.revokeObjectURL(link.href);
   }
 
   theory() {
