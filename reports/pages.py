@@ -11,6 +11,7 @@ from .parts import (
     GateMark,
     Group,
     Judgement,
+    KillRow,
     Link,
     Mark,
     Matrix,
@@ -23,6 +24,7 @@ from .parts import (
     Scheme,
     Share,
     SourceRow,
+    StudyKillsRow,
     UnmodifiedRow,
 )
 from .theory import Theory
@@ -208,6 +210,10 @@ class TrustPage:
     total : FateCounts
     meanings : tuple of Fact
         Meaning of each fate.
+    studies : tuple of StudyKillsRow
+        What each study saw; empty unless each fault ran every study.
+    kills : tuple of KillRow
+        What each of these studies saw of each fault that changes results.
     survivors : tuple of FaultRow
         Faults that survived, are undecided or were not exercised.
     named, by_rule : tuple of FaultRow
@@ -231,6 +237,8 @@ class TrustPage:
     rules: tuple[FateCounts, ...]
     total: FateCounts
     meanings: tuple[Fact, ...]
+    studies: tuple[StudyKillsRow, ...]
+    kills: tuple[KillRow, ...]
     survivors: tuple[FaultRow, ...]
     named: tuple[FaultRow, ...]
     by_rule: tuple[FaultRow, ...]

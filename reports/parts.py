@@ -234,6 +234,25 @@ class FateCounts:
 
 
 @dataclass(frozen=True)
+class KillRow:
+    """A fault with what each study saw of it: "killed", "passed" or "" where its line does not run."""
+
+    name: str
+    rule: str
+    cells: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class StudyKillsRow:
+    """A study with the number of faults that it ran, killed, and killed as the only one."""
+
+    study: str
+    ran: str
+    killed: str
+    alone: str
+
+
+@dataclass(frozen=True)
 class RateTable:
     """Rates of right and wrong verdicts on random series; each row has a kind of series, the true order and the rates."""
 

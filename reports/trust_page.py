@@ -6,7 +6,7 @@ from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, SelfTest, t
 
 from .notation import count
 from .pages import TrustPage
-from .parts import Fact, FateCounts, FaultRow, Link, Mark, Origin, RateTable, UnmodifiedRow
+from .parts import Fact, FateCounts, FaultRow, KillRow, Link, Mark, Origin, RateTable, StudyKillsRow, UnmodifiedRow
 
 MEANING = {
     Fate.KILLED: "A verification criterion failed, a run did not complete, or the solution was invalid.",
@@ -54,6 +54,8 @@ def trust_page(test: SelfTest, file: str, facts: Sequence[tuple[str, str]], page
         rules=rules,
         total=FateCounts("all", str(sum(totals)), tuple(map(str, totals))),
         meanings=tuple(Fact(fate.value, meaning) for fate, meaning in MEANING.items()),
+        studies=tuple(StudyKillsRow(s.study, str(s.ran), str(s.killed), str(s.alone)) for s in test.studies()),
+        kills=_kills(test),
         survivors=tuple(
             _row(fault) for fate in (Fate.SURVIVED, Fate.UNDECIDED, Fate.NOT_EXERCISED) for fault in _of(test, fate)
         ),
@@ -78,7 +80,7 @@ def trust_page(test: SelfTest, file: str, facts: Sequence[tuple[str, str]], page
             )
             if rates
         ),
-        command=f"mpmverify selftest --tier {test.tier}",
+        command=f"mpmverify selftest --tier {test.tier}" + " --every-study" * test.every_study,
         origins=(Origin(file, f"../{file}.nc", tuple(Fact(name, value) for name, value in facts)),),
     )
 
@@ -110,6 +112,18 @@ def _row(fault: PlantedFault) -> FaultRow:
         where=where,
         reason=fault.explanation or fault.reason or f"largest deviation {fault.deviation:.1e} over {fault.trials} trials",
     )
+
+
+def _kills(test: SelfTest) -> tuple[KillRow, ...]:
+    """Return a row for each fault that changes results and runs; the faults that the fewest studies kill come first."""
+    studies = [seen.study for seen in test.studies()]
+    rows = []
+    for fault in test.faults:
+        if studies and fault.fate in (Fate.KILLED, Fate.REGRESSION, Fate.SURVIVED):
+            killed, passed = fault.killed_by.split(","), fault.passed.split(",")
+            cells = ["killed" if study in killed else "passed" if study in passed else "" for study in studies]
+            rows.append(KillRow(fault.name, fault.rule, tuple(cells)))
+    return tuple(sorted(rows, key=lambda row: row.cells.count("killed")))
 
 
 def _judge(rates: Sequence[Rate]) -> str:

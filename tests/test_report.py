@@ -514,6 +514,20 @@ def test_every_planted_fault_and_every_false_alarm_is_shown(stored: tuple[Result
     assert "How far to trust this" in " ".join(pages(stored[0])["index.html"].text)
 
 
+def test_the_trust_page_shows_what_each_study_saw_of_each_fault() -> None:
+    killed = dataclasses.replace(FAULTS[0], fate=Fate.KILLED, killed_by="bar,ring", passed="deck")
+    alone = dataclasses.replace(FAULTS[1], fate=Fate.KILLED, killed_by="ring", passed="bar")
+    shown = trust_page(dataclasses.replace(SELF_TEST, faults=(killed, alone), every_study=True), "selftest", (), (), "")
+    assert [(row.study, row.ran, row.killed, row.alone) for row in shown.studies] == [
+        ("bar", "2", "1", "0"),
+        ("deck", "1", "0", "0"),
+        ("ring", "2", "2", "1"),
+    ]
+    assert [row.cells for row in shown.kills] == [("passed", "", "killed"), ("killed", "passed", "killed")]
+    assert "--every-study" in shown.command
+    assert trust_page(dataclasses.replace(SELF_TEST, faults=(killed, alone)), "selftest", (), (), "").kills == ()
+
+
 def test_an_explained_survivor_is_not_a_failure() -> None:
     survivors = [fault for fault in FAULTS if fault.fate is Fate.SURVIVED]
     explained = tuple(dataclasses.replace(fault, explanation="it is too small") for fault in survivors)
