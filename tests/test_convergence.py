@@ -299,6 +299,20 @@ def test_the_most_probable_law_predicts_further_levels(h, order, ratio, more):
     np.testing.assert_allclose(estimate.predict(further), power_law(further, order, 1e-8 / ratio ** (more * order)), rtol=1e-6)
 
 
+@pytest.mark.parametrize(("more", "share"), [(1.1, 0.2), (2.6, 0.15)])
+@pytest.mark.parametrize("seed", range(8))
+def test_levels_beyond_a_change_of_the_sign_of_the_error_tell_its_order(more, share, seed):
+    """E = |A h^1.5 - B h^q|: its magnitude follows the law on both sides of the change; only the level next to it tells nothing."""
+    x = 2.0 ** np.arange(9, -1, -1)
+    law = 1e-4 * x**1.5 * np.abs(1 - share * (x / 4) ** more)
+    error = law * np.exp(0.01 * np.random.default_rng(seed).standard_normal(len(x)))
+    assert [verdict(x, error, band=band)[0] for band in ((1.34, 1.66), (1.86, 2.2), (0.8, 1.14))] == ["PASS", "FAIL", "FAIL"]
+    series = analyse(x, error)
+    assert series.kept.all()
+    change = np.abs(1 - share * (x / 4) ** more)
+    np.testing.assert_allclose(series.estimate.predict(x)[change > 0.2], law[change > 0.2], rtol=0.15)
+
+
 @pytest.mark.parametrize(("last", "plunges"), [(0.0, True), (1e-13, True), (2.0**-14, False)])
 def test_an_error_that_drops_to_round_off_in_one_step_plunges(last, plunges):
     error = np.append(HALVED[:7] ** 2, last)

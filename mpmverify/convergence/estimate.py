@@ -2,7 +2,8 @@
 
 A law says which levels are asymptotic and how their errors fall. The asymptotic levels are a run of the finest ones. Their errors are
 A h^p, or A h^p with one further term: B h^q of either sign, as Taylor expansions of errors have it, or a part that alternates from
-level to level. The coarser levels are rough: their errors lie anywhere. A run of three levels is allowed, but it leaves one degree of
+level to level. A term of the other sign may change the sign of the error; then its magnitude counts, and a level next to the change
+tells nothing. The coarser levels are rough: their errors lie anywhere. A run of three levels is allowed, but it leaves one degree of
 freedom, so that its interval is wide.
 """
 
@@ -32,7 +33,9 @@ TERM_STEPS = np.linspace(1, 0, 24)
 LEAST_TERM = 0.003
 """Least ratio of the further term to the first one at the third finest level."""
 LARGEST_NEGATIVE_TERM = 0.9
-"""Largest ratio of a further term of the other sign to the first one on any level of a run."""
+"""Largest ratio of a further term of the other sign to the first one on the three finest sizes of a run."""
+NEAR_ZERO = 0.1
+"""Least ratio of an error to its first term at which the error tells its order: nearer to a change of its sign, scatter rules it."""
 AMPLITUDES = np.linspace(-0.55, 0.55, 48)
 """Ratios of the alternating part to the other one at the coarsest size."""
 BISECTIONS = 30
@@ -70,7 +73,7 @@ class Law:
             Number of sizes between each level and the finest one (n,); negative beyond it.
         """
         sign = (-1.0) ** level if self.alternates else 1.0
-        return np.log1p(np.maximum(self.ratio * np.exp(self.power * x) * sign, -LARGEST_NEGATIVE_TERM))
+        return np.log(np.maximum(np.abs(1 + self.ratio * np.exp(self.power * x) * sign), NEAR_ZERO))
 
 
 class Tail(NamedTuple):
@@ -228,27 +231,29 @@ def estimate(h: Array, error: Array) -> Estimate:
     ratio, power, alternates, probability = laws(x, level)
     term = ratio[:, None] * np.exp(np.outer(power, x))
     term[alternates] *= (-1.0) ** level
-    excluded = term < -LARGEST_NEGATIVE_TERM
-    deviation = np.log1p(np.where(excluded, 0.0, term))
+    possible = np.all(term[:, level < LEAST_RUN] >= -LARGEST_NEGATIVE_TERM, axis=1)
+    ratio, power, alternates, probability, term = (part[possible] for part in (ratio, power, alternates, probability, term))
+    used = np.abs(1 + term) >= NEAR_ZERO
+    deviation = np.log(np.where(used, np.abs(1 + term), 1.0))
     z = np.log(error / error[-1]) - deviation
 
     runs = np.arange(max(1, level[0] + 2 - LEAST_RUN))  # by their number of rough sizes
     within = (level[:, None] <= level[0] - runs).astype(float)
-    n, sum_x, sum_xx = np.stack([np.ones_like(x), x, x * x]) @ within
-    mean_x, sxx = sum_x / n, sum_xx - sum_x**2 / n
-    mean_z = z @ within / n
-    sxz = z @ (x[:, None] * within) - n * mean_x * mean_z
+    n, sum_x, sum_xx, sum_z, sum_zz, sum_xz = (used * part @ within for part in (1.0, x, x * x, z, z * z, x * z))
+    mean_x, mean_z = sum_x / n, sum_z / n
+    sxx, sxz, szz = sum_xx - n * mean_x**2, sum_xz - n * mean_x * mean_z, sum_zz - n * mean_z**2
     limit = sxz / sxx
-    squares = np.maximum(z**2 @ within - n * mean_z**2 - limit * sxz, 0.0) + SCATTER_WEIGHT * SCATTER**2
+    squares = np.maximum(szz - limit * sxz, 0.0) + SCATTER_WEIGHT * SCATTER**2
     freedom = SCATTER_WEIGHT + n - 2
+    log_gamma = np.array([math.inf, *(math.lgamma(number / 2) for number in range(1, SCATTER_WEIGHT + len(x) - 1))])
     evidence = (
         np.log(probability)[:, None]
         - (len(x) - n) * math.log(ROUGH_RANGE)
-        + np.array([math.lgamma(half) for half in freedom / 2])
+        + log_gamma[freedom.astype(int)]
         - (np.log(n * sxx) + (n - 2) * math.log(math.pi) + freedom * np.log(squares)) / 2
     )
     short = level[0] + 1 - runs < LEAST_ALTERNATING
-    evidence[(excluded @ within > 0) | np.logical_and.outer(alternates, short)] = -np.inf
+    evidence[np.logical_and.outer(alternates, short)] = -np.inf
     weight = np.exp(evidence - evidence.max())
     weight /= weight.sum()
 
@@ -263,9 +268,9 @@ def estimate(h: Array, error: Array) -> Estimate:
         limit[probable, of_run],
         np.where(alternates, 0.0, (deviation[:, level == 1][:, 0] - deviation[:, -1]) / x[level == 1][0])[probable],
         np.where(alternates, 0.0, power * ratio / (1 + ratio))[probable],
-        np.sqrt(squares[probable, of_run] / freedom[of_run] / sxx[of_run]),
-        freedom[of_run],
-        len(x) - int(n[run]),
+        np.sqrt(squares / freedom / sxx)[probable, of_run],
+        freedom[probable, of_run],
+        int(np.sum(within[:, run] == 0)),
         Law(float(ratio[law]), float(power[law]), bool(alternates[law])),
-        (float(h[-1]), float(error[-1] * math.exp(mean_z[law, run] - limit[law, run] * mean_x[run] + deviation[law, -1]))),
+        (float(h[-1]), float(error[-1] * math.exp(mean_z[law, run] - limit[law, run] * mean_x[law, run] + deviation[law, -1]))),
     )
