@@ -21,6 +21,7 @@ def index_page(records: Sequence[Record], generator: str, *, trust_page: bool = 
     return IndexPage(
         title="Verification report",
         generator=generator,
+        root="",
         navigation=(
             Link("Overview", "index.html", True),
             *((Link("How far to trust this", "trust.html"),) if trust_page else ()),

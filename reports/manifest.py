@@ -14,7 +14,11 @@ from mpmverify.errors import ResultsError
 
 TRUST = "trust"
 """Name of the page of the self-test."""
-LIBRARIES = ("jinja2", "latex2mathml", "plotly")
+HANDBOOK = Path(__file__).parent / "handbook"
+"""Folder of the Markdown and the pictures of the handbook."""
+HANDBOOK_INDEX = "README.md"
+"""File of its index, which tells the order of its pages."""
+LIBRARIES = ("jinja2", "latex2mathml", "markdown-it-py", "plotly")
 ROOMS = ("convergence", "criteria", "dataset", "judgement")
 """Packages of `mpmverify` on which the pages depend, in addition to the modules of the report."""
 
@@ -39,6 +43,8 @@ class Manifest:
         Study files, by stem.
     selftest : Source, optional
         File of the self-test, if there is one.
+    handbook : mapping of str to str
+        Digests of the files of the handbook, by their name.
     written : mapping of str to str
         Digests of the files of the report, by their path in its folder.
     """
@@ -46,6 +52,7 @@ class Manifest:
     code: str = ""
     studies: Mapping[str, Source] = field(default_factory=dict)
     selftest: Source | None = None
+    handbook: Mapping[str, str] = field(default_factory=dict)
     written: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
@@ -55,7 +62,7 @@ class Manifest:
             stored = json.loads(_path(results).read_text(encoding="utf-8"))
             studies = {name: Source(**entry) for name, entry in stored["studies"].items()}
             selftest = Source(**stored["selftest"]) if stored["selftest"] else None
-            return cls(stored["code"], studies, selftest, dict(stored["written"]))
+            return cls(stored["code"], studies, selftest, dict(stored["handbook"]), dict(stored["written"]))
         except (OSError, ValueError, TypeError, KeyError, AttributeError):
             return cls()
 
@@ -72,7 +79,8 @@ class Manifest:
         for taken, name in (("index", "the index page"), (TRUST, "the trust page")):
             if taken in studies:
                 raise ResultsError(f"'{results.study(taken)}' would overwrite {name} of the report: rename the study")
-        return cls(_code(), studies, _source(results.selftest) if results.selftest.exists() else None)
+        selftest = _source(results.selftest) if results.selftest.exists() else None
+        return cls(_code(), studies, selftest, {path.name: _digest(path) for path in handbook_files()})
 
     def describes(self, known: "Manifest", results: Results) -> bool:
         """Whether the existing report, whose manifest is `known`, is up to date."""
@@ -84,7 +92,7 @@ class Manifest:
         return path.is_file() and self.written.get(_name(path, results)) == _digest(path)
 
     def stale(self, known: "Manifest", results: Results) -> list[str]:
-        """Return the names of the pages that are missing or were made from other inputs: stems of studies, and "trust"."""
+        """Return the names of the pages that are missing or were made from other inputs: stems of studies, "trust", "handbook/index" and so on."""
         required, existing = self.pages(), known.pages()
         return [
             name
@@ -92,18 +100,37 @@ class Manifest:
             if self.code != known.code or existing.get(name) != source or not known.wrote(page(results, name), results)
         ]
 
-    def pages(self) -> dict[str, Source]:
-        """Return the input file of every page except the index, by page name."""
-        return dict(self.studies) | ({TRUST: self.selftest} if self.selftest else {})
+    def pages(self) -> dict[str, Source | str]:
+        """Return the input of every page except the index, by page name; a page of the handbook also shows what its index says."""
+        index = self.handbook.get(HANDBOOK_INDEX, "")
+        texts = {handbook_name(name): index + digest for name, digest in self.handbook.items() if name.endswith(".md")}
+        return dict(self.studies) | ({TRUST: self.selftest} if self.selftest else {}) | texts
+
+    def pictures(self, results: Results) -> dict[Path, Path]:
+        """Return the pictures of the handbook by their path in the report."""
+        return {results.report / "handbook" / name: HANDBOOK / name for name in self.handbook if not name.endswith(".md")}
 
     def write(self, results: Results, known: "Manifest") -> None:
-        """Write the manifest, and remove pages whose input file no longer exists."""
+        """Write the manifest, and remove pages and pictures whose input file no longer exists."""
         for name in known.pages().keys() - self.pages().keys():
             page(results, name).unlink(missing_ok=True)
-        files = [page(results, name) for name in (*self.pages(), "index")] + list((results.report / "assets").glob("*.*"))
+        for picture in known.pictures(results).keys() - self.pictures(results).keys():
+            picture.unlink(missing_ok=True)
+        files = [page(results, name) for name in (*self.pages(), "index")]
+        files += [*(results.report / "assets").glob("*.*"), *self.pictures(results)]
         written = {_name(path, results): _digest(path) for path in files}
         text = json.dumps(asdict(replace(self, written=written)), indent=1, sort_keys=True) + "\n"
         write_atomic(_path(results), lambda temporary: temporary.write_text(text, encoding="utf-8"))
+
+
+def handbook_files() -> list[Path]:
+    """Return the files of the handbook."""
+    return sorted(path for kind in ("*.md", "*.svg") for path in HANDBOOK.glob(kind))
+
+
+def handbook_name(file: str) -> str:
+    """Return the name of the page of a text of the handbook."""
+    return "handbook/index" if file == HANDBOOK_INDEX else f"handbook/{Path(file).stem}"
 
 
 def _source(path: Path) -> Source:

@@ -109,7 +109,8 @@ class IndexPage:
 
     Parameters
     ----------
-    title, generator : str
+    title, generator, root : str
+        `root` leads to the folder of the report.
     navigation : tuple of Link
     mark : Mark
         The worst verdict of all findings.
@@ -136,6 +137,7 @@ class IndexPage:
 
     title: str
     generator: str
+    root: str
     navigation: tuple[Link, ...]
     mark: Mark
     headline: str
@@ -159,7 +161,8 @@ class StudyPage:
 
     Parameters
     ----------
-    title, generator : str
+    title, generator, root : str
+        `root` leads to the folder of the report.
     navigation : tuple of Link
     restricted_to : str
         The part of the study that was run; "" for the whole study.
@@ -179,6 +182,7 @@ class StudyPage:
 
     title: str
     generator: str
+    root: str
     navigation: tuple[Link, ...]
     restricted_to: str
     summary: str
@@ -198,7 +202,8 @@ class TrustPage:
 
     Parameters
     ----------
-    title, generator : str
+    title, generator, root : str
+        `root` leads to the folder of the report.
     navigation : tuple of Link
     mark : Mark
         Verdict of the self-test; its note is the number of faults caught among those that change results.
@@ -230,6 +235,7 @@ class TrustPage:
 
     title: str
     generator: str
+    root: str
     navigation: tuple[Link, ...]
     mark: Mark
     sample: str

@@ -3,6 +3,7 @@
 import dataclasses
 import importlib.util
 import re
+from collections.abc import Collection
 from functools import cache, partial
 from pathlib import Path
 
@@ -15,8 +16,9 @@ from mpmverify.dataset.files import Results, check_ours, set_aside
 from mpmverify.dataset.selftest import read_selftest
 from mpmverify.errors import ResultsError
 
+from .handbook_page import HandbookPage, handbook_pages
 from .index_page import index_page
-from .manifest import TRUST, Manifest, page
+from .manifest import HANDBOOK, TRUST, Manifest, page
 from .pages import IndexPage, StudyPage, TrustPage
 from .parts import Link
 from .reader import read
@@ -28,7 +30,7 @@ SIGNATURE = b'<meta name="generator" content="mpmverify '
 BEGINNING = b'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n' + SIGNATURE
 END = b"</html>\n"
 """How every page begins, and how it ends unless it is cut off."""
-TEMPLATES = {IndexPage: "index.html", StudyPage: "study.html", TrustPage: "trust.html"}
+TEMPLATES = {IndexPage: "index.html", StudyPage: "study.html", TrustPage: "trust.html", HandbookPage: "handbook.html"}
 PLOTLY = "plotly.min.js"
 ORIGIN = {"Written": "date_created", "Commit": "commit", "Tier": "tier", "Versions": "versions", "Platform": "platform"}
 """Attributes of the self-test file that the trust page shows, by label."""
@@ -47,12 +49,13 @@ def write(results: Results, manifest: Manifest, known: Manifest) -> None:
         _make_way(page(results, name))
     runs = {path.stem for path in results.runs.glob("*.nc")}
     records = [read(results.study(name)) for name in sorted(manifest.studies)]
-    _write_assets(results.report / "assets")
+    _write_assets(results, manifest)
     for record in records:
         if record.name in stale:
             _write(page(results, record.name), render(study_page(record, runs, GENERATOR)))
     if TRUST in stale:
         _write(page(results, TRUST), render(_trust(results)))
+    _write_handbook(results, manifest, stale)
     _write(page(results, "index"), render(index_page(records, GENERATOR, trust_page=manifest.selftest is not None)))
 
 
@@ -63,7 +66,15 @@ def _trust(results: Results) -> TrustPage:
     return trust_page(read_selftest(results.selftest), file, facts, (Link("Overview", "index.html"),), GENERATOR)
 
 
-def render(content: IndexPage | StudyPage | TrustPage) -> str:
+def _write_handbook(results: Results, manifest: Manifest, stale: Collection[str]) -> None:
+    if any(name.startswith("handbook/") for name in stale):
+        texts = {name: (HANDBOOK / name).read_text(encoding="utf-8") for name in manifest.handbook}
+        for name, content in handbook_pages(texts, GENERATOR).items():
+            if name in stale:
+                _write(page(results, name), render(content))
+
+
+def render(content: IndexPage | StudyPage | TrustPage | HandbookPage) -> str:
     """Render a page to HTML."""
     fields = {field.name: getattr(content, field.name) for field in dataclasses.fields(content)}
     return environment().get_template(TEMPLATES[type(content)]).render(fields)
@@ -105,14 +116,14 @@ def _write(path: Path, text: str) -> None:
     write_atomic(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
-def _write_assets(folder: Path) -> None:
-    assets = {path.name: path for path in (Path(__file__).parent / "assets").glob("*.*")}
+def _write_assets(results: Results, manifest: Manifest) -> None:
+    folder = results.report / "assets"
+    assets = {folder / path.name: path for path in (Path(__file__).parent / "assets").glob("*.*")}
     spec = importlib.util.find_spec("plotly")
     if spec is None or spec.origin is None:
         raise ResultsError("the report needs plotly: install it with `pip install plotly`")
-    assets[PLOTLY] = Path(spec.origin).parent / "package_data" / PLOTLY
-    for name, source in sorted(assets.items()):
+    assets[folder / PLOTLY] = Path(spec.origin).parent / "package_data" / PLOTLY
+    for target, source in sorted((assets | manifest.pictures(results)).items()):
         content = source.read_bytes()
-        target = folder / name
         if not target.exists() or target.read_bytes() != content:
             write_atomic(target, partial(Path.write_bytes, data=content))

@@ -56,6 +56,7 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
     return StudyPage(
         title=str(record.attributes["title"]),
         generator=generator,
+        root="",
         navigation=(Link("Overview", "index.html"),),
         restricted_to=record.restricted_to,
         summary=str(record.attributes["summary"]),

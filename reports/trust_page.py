@@ -45,6 +45,7 @@ def trust_page(test: SelfTest, file: str, facts: Sequence[tuple[str, str]], page
     return TrustPage(
         title="How far to trust this",
         generator=generator,
+        root="",
         navigation=(*pages, Link("How far to trust this", "trust.html", True)),
         mark=Mark(kind, word, f"{caught} of {changing}"),
         sample=f"{len(test.faults)} faults were planted one at a time in copies of the shipped solvers: the named faults and "

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
+from urllib.parse import unquote
 
 import netCDF4
 import numpy as np
@@ -36,6 +37,7 @@ from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, Self
 from mpmverify.problem import Discretisation, Periodic, Problem, Transport
 from mpmverify.reports import cards, charts, render
 from mpmverify.reports.equations import mathml
+from mpmverify.reports.handbook_page import HandbookPage
 from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs, typeset_numbers
 from mpmverify.reports.overview import shares
 from mpmverify.reports.pages import IndexPage, StudyPage, TrustPage
@@ -213,7 +215,7 @@ class Page(HTMLParser):
 
 
 def pages(results: Results) -> dict[str, Page]:
-    return {path.name: Page(path) for path in results.report.glob("*.html")}
+    return {path.relative_to(results.report).as_posix(): Page(path) for path in results.report.rglob("*.html")}
 
 
 def strict(text: str) -> dict:
@@ -233,18 +235,20 @@ def test_pages_are_well_formed_with_unique_identifiers(stored: tuple[Results, li
 def test_every_link_has_a_target_and_every_resource_is_local(stored: tuple[Results, list]) -> None:
     results, _ = stored
     known = pages(results)
-    assert known.keys() == {"index.html", "sample.html", "second.html", "trust.html"}
+    assert {name for name in known if "/" not in name} == {"index.html", "sample.html", "second.html", "trust.html"}
     for name, page in known.items():
         for link in page.links:
             if link.startswith("https://doi.org/"):
                 continue
             target, _, anchor = link.partition("#")
-            path = (results.report / target) if target else results.report / name
+            path = (results.report / name).parent / target if target else results.report / name
             assert path.exists(), f"{name} links to {link}"
-            assert not anchor or anchor in known[path.name].ids, f"{name} links to {link}"
+            page_of = path.resolve().relative_to(results.report.resolve()).as_posix() if anchor else ""
+            assert not anchor or unquote(anchor) in known[page_of].ids, f"{name} links to {link}"
         assert page.resources
         for resource in page.resources:
-            assert resource == "data:," or (results.report / resource).exists(), f"{name} loads {resource}"
+            local = (results.report / name).parent / resource
+            assert resource == "data:," or local.exists(), f"{name} loads {resource}"
     assert (results.report / "assets" / "plotly.min.js").stat().st_size > 1_000_000
 
 
@@ -368,7 +372,7 @@ def test_a_copied_study_file_with_missing_series_links_to_its_own_page(tmp_path:
     store(results, study(solvers=("good",)), known)
     results.study("sample").rename(results.study("copy"))
     render(results)
-    assert set(pages(results)) == {"index.html", "copy.html"}
+    assert {name for name in pages(results) if "/" not in name} == {"index.html", "copy.html"}
     assert "copy.html#lacking" in pages(results)["index.html"].links
     assert "sample.html#lacking" not in pages(results)["index.html"].links
     cells = [cell for page in pages(results).values() for cell in page.cells if "INCONCLUSIVE" in cell and "/" in cell]
@@ -502,7 +506,7 @@ def test_each_template_uses_exactly_the_fields_of_its_page() -> None:
             assert engine.loader is not None
             names |= meta.find_undeclared_variables(engine.parse(engine.loader.get_source(engine, part)[0]))
         assert names == {field.name for field in dataclasses.fields(kind)}, template
-    assert set(TEMPLATES) == {IndexPage, StudyPage, TrustPage}
+    assert set(TEMPLATES) == {IndexPage, StudyPage, TrustPage, HandbookPage}
 
 
 def test_every_planted_fault_and_every_false_alarm_is_shown(stored: tuple[Results, list]) -> None:
@@ -603,7 +607,7 @@ def test_an_unchanged_report_imports_no_heavy_libraries(fresh: Results) -> None:
     program = (
         "import sys; from pathlib import Path; from mpmverify.dataset.files import Results; from mpmverify.reports import render; "
         "render(Results(Path(sys.argv[1]))); "
-        "assert not {'xarray', 'jinja2', 'scipy', 'plotly', 'latex2mathml'} & set(sys.modules)"
+        "assert not {'xarray', 'jinja2', 'scipy', 'plotly', 'latex2mathml', 'markdown_it'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", program, fresh.path], check=True)
 

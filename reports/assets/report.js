@@ -392,7 +392,8 @@ function unfold() {
 
 /** Marks the case that is read in the table of contents. */
 function follow() {
-  const links = new Map([...document.querySelectorAll(".contents a")].map((link) => [link.hash.slice(1), link]));
+  const shown = document.querySelectorAll('.outline a, .contents a[href^="#"]');
+  const links = new Map([...shown].map((link) => [decodeURIComponent(link.hash.slice(1)), link]));
   const seen = new Set();
   const spy = new IntersectionObserver(
     (entries) => {
@@ -406,7 +407,7 @@ function follow() {
     },
     { rootMargin: "-15% 0px -75% 0px" },
   );
-  for (const section of document.querySelectorAll("section.case")) spy.observe(section);
+  for (const section of document.querySelectorAll("section.case, .prose > section")) spy.observe(section);
 }
 
 /** Filters and sorts the cards of the overview; the choices are kept in the address, so that a link shows the same cards. */
