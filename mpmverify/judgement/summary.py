@@ -23,7 +23,7 @@ CELL = 300
 """Largest number of characters of a text in a summary or an annotation; longer texts are shortened."""
 XML_FORBIDDEN = dict.fromkeys({*range(32), *range(0xD800, 0xE000), 0xFFFE, 0xFFFF} - {9, 10, 13})
 
-MARKDOWN_ESCAPES = str.maketrans({"\\": "\\\\", "|": "\\|", "&": "&amp;", "<": "&lt;", ">": "&gt;"})
+MARKDOWN_ESCAPES = str.maketrans({sign: f"\\{sign}" for sign in "\\|`*_[]~$"} | {"&": "&amp;", "<": "&lt;", ">": "&gt;"})
 
 
 def tally(findings: Sequence[Finding]) -> dict[str, int]:
@@ -140,15 +140,28 @@ def markdown(findings: Sequence[Finding], room: int = STEP_SUMMARY) -> str:
     if bad:
         rows = [(f.verdict, f"{f.study} / {f.case} / {f.solver} ({f.refinement})", f.criterion, f.reason) for f in bad]
         columns = ("verdict", "where", "criterion", "reason")
-        text += _table(columns, rows, "in verdicts.json", room - _bytes(text), most=MARKDOWN_ROWS)
+        text += table(columns, rows, "in verdicts.json", room - _bytes(text), most=MARKDOWN_ROWS)
     studies = [(study, *(str(count) for count in tally(mine).values())) for study, mine in by_study(findings).items()]
     if studies:
-        text += _table(("study", *tally(())), studies, "studies", room - _bytes(text))
+        text += table(("study", *tally(())), studies, "studies", room - _bytes(text))
     return text if _bytes(text) <= room else ""
 
 
-def _table(columns: Sequence[str], rows: Sequence[Sequence[str]], what: str, room: int, most: int | None = None) -> str:
-    """Table of as many of the first rows as fit into `room` bytes, and the number of rows left out; "" if not even that fits."""
+def table(columns: Sequence[str], rows: Sequence[Sequence[str]], what: str, room: int, most: int | None = None) -> str:
+    """Markdown table of as many of the first rows as fit into `room` bytes, and the number of rows left out; "" if not even that fits.
+
+    Parameters
+    ----------
+    columns : sequence of str
+    rows : sequence of sequence of str
+        Texts as they are: they are shortened to `CELL` characters and escaped.
+    what : str
+        The rows, for the sentence on those left out.
+    room : int
+        Size in UTF-8 [bytes].
+    most : int, optional
+        Largest number of rows.
+    """
 
     def line(cells: Sequence[str]) -> str:
         return "| " + " | ".join(_short(cell).translate(MARKDOWN_ESCAPES) for cell in cells) + " |\n"
