@@ -1,7 +1,7 @@
-"""The report: HTML pages made from stored results only; they open from disk, without a network.
+"""The report: pages made from stored results only, in HTML that opens from disk without a network, or one page in Markdown.
 
-Here belong readers of study files, the data and the template of each page, and the handbook. To add a page, write a module that makes
-its dataclass (`pages`), a template, and an entry in `site` and `manifest`. Nothing is solved or judged here.
+Here belong readers of study files, the data and the template of each page, the Markdown page, and the handbook. To add a page, write
+a module that makes its dataclass (`pages`), a template, and an entry in `site` and `manifest`. Nothing is solved or judged here.
 
 Notes
 -----
@@ -16,7 +16,7 @@ from mpmverify.errors import DamagedError
 
 from .manifest import Manifest
 
-__all__ = ["render"]
+__all__ = ["render", "render_markdown"]
 
 
 def render(results: Results, *, fresh: bool = False) -> Path:
@@ -51,3 +51,16 @@ def render(results: Results, *, fresh: bool = False) -> Path:
         write(results, manifest, known)
         manifest.write(results, known)
     return results.report / "index.html"
+
+
+def render_markdown(results: Results) -> Path:
+    """Write one Markdown page for a pull request and return its path.
+
+    Raises
+    ------
+    ResultsError
+        If a results file is foreign or damaged, or the page cannot be written.
+    """
+    from .markdown import write
+
+    return write(results)

@@ -76,13 +76,21 @@ def gate(
 
 @click.command()
 @out_option
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(("html", "md")),
+    default="html",
+    show_default=True,
+    help="Pages in HTML, or one page in Markdown for a pull request.",
+)
 @open_option
-def report(out: Path, open_: bool) -> None:
+def report(out: Path, form: str, open_: bool) -> None:
     """Render the report anew from the stored results alone."""
     from mpmverify.dataset.files import Results
 
     stored(out, ())
-    show_report(Results(out), fresh=True, opened=open_)
+    show_report(Results(out), form, fresh=True, opened=open_)
 
 
 @click.command(epilog="Exit status: 0 nothing is worse or lost, 1 something is, 2 usage.")

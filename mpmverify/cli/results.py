@@ -59,11 +59,11 @@ def stored(out: Path, names: Sequence[str]) -> list[Path]:
     return paths
 
 
-def show_report(results: "Results", *, fresh: bool = False, opened: bool = False) -> None:
-    """Render the report, print where it is, and open it in the browser when asked to."""
+def show_report(results: "Results", form: str = "html", *, fresh: bool = False, opened: bool = False) -> None:
+    """Render the report in HTML or, as `form` "md", in Markdown, print where it is, and open it in the browser when asked to."""
     from mpmverify import reports
 
-    page = reports.render(results, fresh=fresh)
+    page = reports.render_markdown(results) if form == "md" else reports.render(results, fresh=fresh)
     click.echo(f"Report: {page}")
     if opened:
         webbrowser.open(page.resolve().as_uri())
