@@ -16,7 +16,7 @@ from mpmverify.errors import DamagedError
 
 from .manifest import Manifest
 
-__all__ = ["render", "render_markdown"]
+__all__ = ["render", "render_alone", "render_markdown", "render_pdf"]
 
 
 def render(results: Results, *, fresh: bool = False) -> Path:
@@ -64,3 +64,31 @@ def render_markdown(results: Results) -> Path:
     from .markdown import write
 
     return write(results)
+
+
+def render_pdf(results: Results) -> Path:
+    """Print the pages that `render` wrote as PDF and return the path of the first.
+
+    Raises
+    ------
+    UsageError
+        If no Chromium is found.
+    ResultsError
+        If a page cannot be printed.
+    """
+    from .pdf import write
+
+    return write(results)
+
+
+def render_alone(results: Results, study: str) -> Path:
+    """Write the page of a study that `render` wrote as one file, without links to others, and return its path.
+
+    Raises
+    ------
+    ResultsError
+        If there is no such study, or the file cannot be written.
+    """
+    from .single import write
+
+    return write(results, study)

@@ -79,18 +79,21 @@ def gate(
 @click.option(
     "--format",
     "form",
-    type=click.Choice(("html", "md")),
+    type=click.Choice(("html", "md", "pdf")),
     default="html",
     show_default=True,
-    help="Pages in HTML, or one page in Markdown for a pull request.",
+    help="Pages in HTML, one page in Markdown for a pull request, or each page in PDF, which needs Chromium.",
 )
+@click.option("--self-contained", "alone", metavar="STUDY", default="", help="Write the page of STUDY as one HTML file.")
 @open_option
-def report(out: Path, form: str, open_: bool) -> None:
+def report(out: Path, form: str, alone: str, open_: bool) -> None:
     """Render the report anew from the stored results alone."""
     from mpmverify.dataset.files import Results
 
+    if alone and form != "html":
+        raise UsageError("--self-contained writes HTML: leave --format out")
     stored(out, ())
-    show_report(Results(out), form, fresh=True, opened=open_)
+    show_report(Results(out), form, alone, fresh=True, opened=open_)
 
 
 @click.command(epilog="Exit status: 0 nothing is worse or lost, 1 something is, 2 usage.")

@@ -59,11 +59,28 @@ def stored(out: Path, names: Sequence[str]) -> list[Path]:
     return paths
 
 
-def show_report(results: "Results", form: str = "html", *, fresh: bool = False, opened: bool = False) -> None:
-    """Render the report in HTML or, as `form` "md", in Markdown, print where it is, and open it in the browser when asked to."""
+def show_report(results: "Results", form: str = "html", alone: str = "", *, fresh: bool = False, opened: bool = False) -> None:
+    """Render the report, print where it is, and open it in the browser when asked to.
+
+    Parameters
+    ----------
+    results : Results
+    form : str
+        "html", "md" for one page in Markdown, or "pdf".
+    alone : str
+        Name of a study whose page is written as one file, too.
+    fresh : bool
+        Render every page, even if it is up to date.
+    opened : bool
+        Open it in the browser.
+    """
     from mpmverify import reports
 
     page = reports.render_markdown(results) if form == "md" else reports.render(results, fresh=fresh)
+    if form == "pdf":
+        page = reports.render_pdf(results)
+    elif alone:
+        page = reports.render_alone(results, alone)
     click.echo(f"Report: {page}")
     if opened:
         webbrowser.open(page.resolve().as_uri())

@@ -7,6 +7,10 @@ let library = null;
 
 function plotly() {
   library ??= new Promise((resolve, reject) => {
+    if (window.Plotly) {
+      resolve(window.Plotly);
+      return;
+    }
     const script = document.createElement("script");
     script.src = "assets/plotly.min.js";
     script.onload = () => resolve(window.Plotly);
@@ -135,7 +139,10 @@ class Case {
     const mine = data.filter((trace) => trace.meta.measure === this.measure);
     const shown = mine.filter(({ meta }) => (meta.members ? meta.members.some((k) => chosen.has(k)) : chosen.has(meta.series)));
     const view = this.role("view").value;
-    const yaxis = { ...layout.yaxis, title: { text: titles[this.measure], standoff: 8 } };
+    const errors = shown.flatMap(({ y }) => y).filter((value) => value > 0);
+    // Ticks at powers of ten alone would leave an axis of less than a decade without numbers.
+    const dtick = Math.max(...errors) > 30 * Math.min(...errors) ? layout.yaxis.dtick : undefined;
+    const yaxis = { ...layout.yaxis, dtick, title: { text: titles[this.measure], standoff: 8 } };
     if (view === "local") return this.localOrders(shown, layout);
     if (view !== "size") return this.costs(shown, { ...layout, yaxis }, view);
     return { data: shown, layout: { ...layout, yaxis } };
