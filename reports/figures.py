@@ -1,10 +1,10 @@
 """Data of the charts on the page of a study, which the script of the report draws."""
 
-import json
 from collections.abc import Sequence
 
 from . import charts
 from .balances import balances
+from .field_panel import escaped
 from .notation import cell_size
 from .record import Series
 from .styles import Style
@@ -58,6 +58,4 @@ def figures(
         "history": charts.history_layout(),
         "series": table,
     }
-    text = json.dumps(body, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
-    # These characters could end the script element or open a comment in it.
-    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
+    return escaped(body)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from .cards import Card
+from .field_panel import FieldPanel
 from .parts import (
     Curve,
     Fact,
@@ -72,6 +73,8 @@ class CaseSection:
     cost : str
     figures : str
         JSON of the charts, escaped for use in HTML.
+    field : FieldPanel or None
+        Fields in two or three dimensions; None if no series has one.
     """
 
     anchor: str
@@ -101,6 +104,7 @@ class CaseSection:
     runs: tuple[RunRow, ...]
     cost: str
     figures: str
+    field: FieldPanel | None = None
 
 
 @dataclass(frozen=True)

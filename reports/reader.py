@@ -16,6 +16,7 @@ from mpmverify.dataset.sources import MEANING, source_of
 from mpmverify.errors import ResultsError
 from mpmverify.judgement.findings import Finding
 
+from .field_reader import read_fields
 from .record import Array, Case, Estimate, Level, Measure, Profile, Record, Series
 
 
@@ -74,8 +75,9 @@ def _cases(column: Mapping[str, np.ndarray]) -> Iterator[Case]:
 def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]:
     column = _columns(group)
     units, bands, judged = _units(group), _bands(column), _judged(column, study, solver)
-    # Profiles are drawn over one coordinate, so fields in two and three dimensions are not read.
     profiles = _profiles(group.groups["snapshots"]) if "snapshots" in group.groups else {}
+    spatial = [part for name, part in group.groups.items() if name.startswith("snapshots_")]
+    fields = {identity: entry for part in spatial for identity, entry in read_fields(part).items()}
     kept = [part for name, part in group.groups.items() if name.startswith("histories")]
     histories = {identity: table for part in kept for identity, table in _histories(part).items()}
     members: dict[tuple[str, str], list[int]] = {}
@@ -103,6 +105,7 @@ def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]
             metrics=_metrics(column, indices),
             separations=separated.get(identity, {}),
             profile=profiles.get(identity),
+            spatial=fields.get(identity),
             histories=history,
             history_units=history_units,
         )

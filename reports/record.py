@@ -89,6 +89,40 @@ class Profile:
 
 
 @dataclass(frozen=True)
+class Field:
+    """Fields of one level in two or three dimensions, at T output times and P points.
+
+    Parameters
+    ----------
+    h : float
+        Cell size [m].
+    time : Array
+        Output times (T,) [s].
+    reference : Array
+        Reference positions of the points (P, dim) [m].
+    numerical : mapping of str to Array
+        Numerical fields (T, P) by component: "displacement_x", "stress_xy".
+    exact, error : mapping of str to Array
+        Exact fields (T, P), and numerical minus exact ones, of the components whose exact field is known. The error is as stored:
+        it has digits that the difference of the two fields has lost.
+    units : mapping of str to str
+        Unit of each component (UDUNITS spelling).
+    """
+
+    h: float
+    time: Array
+    reference: Array
+    numerical: Mapping[str, Array]
+    exact: Mapping[str, Array]
+    error: Mapping[str, Array]
+    units: Mapping[str, str]
+
+    @property
+    def dimension(self) -> int:
+        return self.reference.shape[1]
+
+
+@dataclass(frozen=True)
 class Series:
     """One solver on one ladder of one case; `axis` is the refined size, or "" for a design, which has no orders."""
 
@@ -105,6 +139,7 @@ class Series:
     metrics: Mapping[str, Array] = field(default_factory=dict)
     separations: Mapping[Measure, Separation] = field(default_factory=dict)
     profile: Profile | None = None
+    spatial: Field | None = None
     histories: Mapping[str, Array] = field(default_factory=dict)
     history_units: Mapping[str, str] = field(default_factory=dict)
 

@@ -12,6 +12,7 @@ from . import charts
 from .dominance import maps, source_rows
 from .drawing import drawing
 from .equations import mathml
+from .field_panel import escaped, field_panel, points_within_budget
 from .figures import figures
 from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size, typeset_numbers
 from .orders import first_measure, measures, order_tables
@@ -34,6 +35,8 @@ from .styles import STROKES, Style, selection, styles
 from .theory import theory
 from .thumbnails import thumbnail
 
+PAGE, LEAST, ROW = 5_000_000, 500_000, 1_400
+"""Characters of a page that its figures and verdicts may take, those that the fields always may, and those of a verdict, about."""
 DOUBTFUL = 8
 """Largest number of series that did not pass and are drawn at first in addition to the selection."""
 
@@ -51,6 +54,7 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
         series, styled = [entry for entry, _ in chosen], [style for _, style in chosen]
         section = _section(case, anchors[case.name], places, series, styled, outputs, runs)
         sections.append(replace(section, unfolded=case.name in unfolded))
+    most = points_within_budget(record, max(LEAST, PAGE - sum(len(section.figures) for section in sections) - ROW * len(record.judged)))
     formal = {entry.solver: entry.formal for entry in record.series}
     cases = [case.name for case in record.cases]
     return StudyPage(
@@ -72,9 +76,14 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
             solver_anchors(record),
         ),
         schemes=tuple(Scheme(name, scheme, _orders(formal.get(name, {}))) for name, scheme in record.schemes.items()),
-        cases=tuple(sections),
+        cases=tuple(_with_field(section, case, record.series, most) for section, case in zip(sections, record.cases, strict=True)),
         origins=(origin(record),),
     )
+
+
+def _with_field(section: CaseSection, case: Case, series: Sequence[Series], most: int) -> CaseSection:
+    shown = [curve.index for curve in section.curves if curve.shown]
+    return replace(section, field=field_panel(case, [entry for entry in series if entry.case == case.name], shown, most))
 
 
 def _orders(formal: Any) -> str:

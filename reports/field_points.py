@@ -1,0 +1,81 @@
+"""Points of fields in two and three dimensions: where they are, and which of them a page shows."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from .record import Array, Field
+
+OUTPUTS = 16
+"""Largest number of output times that a page shows of a field."""
+
+
+def positions(field: Field, *, exact: bool = False) -> Array:
+    """Return the positions (T, P, dim) [m]: reference plus displacement, or the reference where no displacement was stored.
+
+    Where a displacement is not finite, the point is drawn where the exact one is, or else at its reference position.
+    """
+    names = [f"displacement_{axis}" for axis in "xyz"[: field.dimension]]
+    still = np.broadcast_to(field.reference, (len(field.time), *field.reference.shape))
+    if not set(names) <= field.numerical.keys():
+        return still
+    place = still
+    if set(names) <= field.exact.keys():
+        known = still + np.stack([field.exact[name] for name in names], axis=-1)
+        place = np.where(np.isfinite(known), known, still)
+    if exact:
+        return place
+    moved = still + np.stack([field.numerical[name] for name in names], axis=-1)
+    return np.where(np.isfinite(moved), moved, place)
+
+
+def outputs(field: Field) -> NDArray[np.intp]:
+    """Return the rows of the output times that a page shows, the last and, of several, the first among them."""
+    count = len(field.time)
+    return np.unique(np.round(np.linspace(count - 1, 0, min(count, OUTPUTS))).astype(int))
+
+
+def subsample(reference: Array, most: int) -> NDArray[np.intp]:
+    """Return the indices of at most `most` points (P, dim), spread evenly: the first of each cell of a grid as fine as possible."""
+    if len(reference) <= most:
+        return np.arange(len(reference))
+    low, extent = reference.min(axis=0), np.ptp(reference, axis=0)
+    wide = extent[extent > 1e-9 * extent.max()] if extent.max() > 0 else np.ones(1)
+    edge = float((np.prod(wide) / most) ** (1 / len(wide)))
+    while True:
+        cells = np.floor((reference - low) / edge * (1 - 1e-9)).astype(int)
+        _, first = np.unique(cells, axis=0, return_index=True)
+        if len(first) <= most:
+            return np.sort(first)
+        edge *= 1.03
+
+
+def spacing(reference: Array, h: float) -> float:
+    """Return the median distance [m] of points (P, dim) from their nearest neighbours; `h` if there is none."""
+    if len(reference) < 2:
+        return h
+    near = float(np.median(cKDTree(reference).query(reference, k=2)[0][:, 1]))
+    return near if near > 0 else h
+
+
+def thinnest(reference: Array) -> int:
+    """Return the axis along which points (P, dim) extend least, the last of equal ones."""
+    extent = np.ptp(reference, axis=0)
+    return max(k for k in range(len(extent)) if extent[k] <= extent.min() * (1 + 1e-6))
+
+
+def view(field: Field, layer: float) -> tuple[Array, Array]:
+    """Return the corners (dim,), (dim,) [m] of the box in which a field is drawn.
+
+    It holds the exact positions, or the numerical ones where no displacement is known, at all shown times with a margin of one
+    spacing `layer` [m], and the numerical positions up to half its size beyond.
+    """
+    rows = outputs(field)
+    known = positions(field, exact=True)[rows].reshape(-1, field.dimension)
+    moved = positions(field)[rows].reshape(-1, field.dimension)
+    low, high = known.min(axis=0), known.max(axis=0)
+    if not {f"displacement_{axis}" for axis in "xyz"[: field.dimension]} <= field.exact.keys():
+        low, high = np.quantile(moved, 0.01, axis=0), np.quantile(moved, 0.99, axis=0)
+    room = 0.5 * np.maximum(high - low, layer)
+    inside = moved.clip(low - room, high + room)
+    return np.minimum(low, inside.min(axis=0)) - layer, np.maximum(high, inside.max(axis=0)) + layer
