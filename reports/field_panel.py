@@ -15,12 +15,10 @@ from .field_still import field_still, main_quantity
 from .fields import Quantity
 from .notation import cell_size, count, ladder, unit
 from .parts import Option
-from .record import Array, Case, Field, Record, Series
+from .record import Array, Field, Record, Series
 
-BYTES_PER_VALUE = 8 / 3
-"""Characters that one value of 16 bits takes in base64."""
-STILL = 45_000
-"""Characters that the static picture of a case takes at most, about."""
+FEWEST = 250
+"""Number of points of a field below which the budget of a page does not go."""
 AXES = ("x", "y", "z")
 
 
@@ -53,61 +51,92 @@ class FieldPanel:
     data: str
 
 
-def points_within_budget(record: Record, room: int) -> int:
-    """Return how many points of each field a page may show so that the fields take at most `room` characters of it."""
-    every = [entry.spatial for entry in record.series if entry.spatial]
-    room -= STILL * len({entry.case for entry in record.series if entry.spatial})
-    loads = [(len(f.reference), len(field_points.outputs(f)) * _values_per_point(f) * BYTES_PER_VALUE) for f in every]
-    most = max((points for points, _ in loads), default=1)
-    while most > 64 and sum(min(points, most) * load for points, load in loads) > room:
-        most = int(most * 0.9)
-    return most
+@dataclass(frozen=True)
+class _Body:
+    """A series with a field, and the quantities of the field."""
+
+    name: str
+    field: Field
+    quantities: tuple[Quantity, ...]
 
 
-def _values_per_point(field: Field) -> int:
-    return field.dimension + sum(1 if entry.error is None else 2 for entry in fields.quantities(field))
-
-
-def field_panel(case: Case, series: Sequence[Series], first: Sequence[int], most: int) -> FieldPanel | None:
-    """Make the panel of a case.
+def field_panels(record: Record, drawn: Mapping[str, Sequence[int]], room: int) -> dict[str, FieldPanel]:
+    """Make the panels of a study, of as many points as fit into a page.
 
     Parameters
     ----------
-    case : Case
-    series : sequence of Series
-        All series of the case.
-    first : sequence of int
-        Numbers of the series that the page draws at first.
-    most : int
-        Largest number of points of each field.
+    record : Record
+    drawn : mapping of str to sequence of int
+        Numbers of the series that the page draws at first, among those of their case.
+    room : int
+        Characters that the panels may take, about.
 
     Returns
     -------
-    FieldPanel or None
-        None if no series has a field in two or three dimensions.
+    dict of str to FieldPanel
+        Panels by case; a case without a field in two or three dimensions has none.
     """
-    kept = [(k, entry, entry.spatial) for k, entry in enumerate(series) if entry.spatial and entry.spatial.numerical]
-    if not kept:
-        return None
-    chosen = next((row for row, (k, _, _) in enumerate(kept) if k in first), 0)
-    known: dict[str, Quantity] = {q.key: q for _, _, field in kept for q in fields.quantities(field)}
-    shown = main_quantity(kept[chosen][2], case.shown)
-    three = kept[chosen][2].dimension == 3
-    names = [f"{entry.solver}, {ladder(entry.refinement)}" for _, entry, _ in kept]
-    body = {
-        "palettes": {page: asdict(palette) for page, palette in PALETTES.items()},
-        "quantities": {key: {"name": q.name, "unit": unit(q.units)} for key, q in known.items()},
-        "series": [_figure(field, most) for _, _, field in kept],
+    bodies: dict[str, list[_Body]] = {}
+    first: dict[str, int] = {}
+    for case in record.cases:
+        series = [entry for entry in record.series if entry.case == case.name]
+        kept = [k for k, entry in enumerate(series) if entry.spatial and entry.spatial.numerical]
+        if kept:
+            bodies[case.name] = [body for k in kept for body in _bodies(series[k])]
+            first[case.name] = next((row for row, k in enumerate(kept) if k in drawn[case.name]), 0)
+    shown = {
+        case.name: main_quantity(bodies[case.name][first[case.name]].field, case.shown)
+        for case in record.cases
+        if case.name in bodies
     }
-    still, caption = field_still(kept[chosen][2], shown)
+    stills = {name: field_still(bodies[name][row].field, shown[name]) for name, row in first.items()}
+    room -= sum(len(picture) for picture, _ in stills.values())
+    data = _data(bodies, room)
+    return {name: _panel(name, some, first[name], shown[name], stills[name], data[name]) for name, some in bodies.items()}
+
+
+def _bodies(entry: Series) -> Iterator[_Body]:
+    if entry.spatial:
+        yield _Body(f"{entry.solver}, {ladder(entry.refinement)}", entry.spatial, fields.quantities(entry.spatial))
+
+
+def _data(bodies: Mapping[str, Sequence[_Body]], room: int) -> dict[str, str]:
+    """Return the data of every panel, with the same largest number of points for each field, such that all fit into the room."""
+    most = max((len(body.field.reference) for some in bodies.values() for body in some), default=FEWEST)
+    while True:
+        data = {name: _text(some, most) for name, some in bodies.items()}
+        taken = sum(len(text) for text in data.values())
+        if taken <= room or most <= FEWEST:
+            return data
+        most = max(FEWEST, int(most * min(0.9, max(0.2, room / taken))))
+
+
+def _panel(name: str, bodies: Sequence[_Body], first: int, shown: str, still: tuple[str, str], data: str) -> FieldPanel:
+    known = {quantity.key: quantity.name for body in bodies for quantity in body.quantities}
+    field = bodies[first].field
     return FieldPanel(
-        series=tuple(Option(str(row), name, row == chosen) for row, name in enumerate(names)),
-        quantities=tuple(Option(key, q.name, key == shown) for key, q in known.items()),
-        views=tuple(_views(kept[chosen][2])) if three else (),
-        still=still,
-        still_caption=f"{names[chosen]}: {caption}",
-        description=f"Points of {case.name} at their current positions, coloured by the chosen quantity",
-        data=escaped(body),
+        series=tuple(Option(str(row), body.name, row == first) for row, body in enumerate(bodies)),
+        quantities=tuple(Option(key, text, key == shown) for key, text in known.items()),
+        views=tuple(_views(field)) if field.dimension == 3 else (),
+        still=still[0],
+        still_caption=f"{bodies[first].name}: {still[1]}",
+        description=f"Points of {name} at their current positions, coloured by the chosen quantity",
+        data=data,
+    )
+
+
+def _text(bodies: Sequence[_Body], most: int) -> str:
+    """Return the JSON of a panel. Columns that are equal, such as the exact fields of several series, are stored once."""
+    columns: dict[str, int] = {}
+    series = [_figure(body, most, columns) for body in bodies]
+    known = {quantity.key: quantity for body in bodies for quantity in body.quantities}
+    return escaped(
+        {
+            "palettes": {page: asdict(palette) for page, palette in PALETTES.items()},
+            "quantities": {key: {"name": quantity.name, "unit": unit(quantity.units)} for key, quantity in known.items()},
+            "series": series,
+            "columns": [json.loads(column) for column in columns],
+        }
     )
 
 
@@ -124,12 +153,12 @@ def escaped(body: Mapping[str, Any]) -> str:
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
-def _figure(field: Field, most: int) -> dict[str, Any]:
+def _figure(body: _Body, most: int, columns: dict[str, int]) -> dict[str, Any]:
     """Return the data of one series: shown points, output times, reference positions, view and quantities."""
+    field = body.field
     points, rows = field_points.subsample(field.reference, most), field_points.outputs(field)
     reference = field.reference[points]
     layer = field_points.spacing(reference, field.h)
-    every = fields.quantities(field)
     lows, highs = field_points.view(field, layer)
     return {
         "h": cell_size(field.h),
@@ -138,31 +167,37 @@ def _figure(field: Field, most: int) -> dict[str, Any]:
         "count": f"{count(len(points))} of {count(len(field.reference))} points shown",
         "spacing": sig(layer),
         "view": [[sig(low, 7), sig(high, 7)] for low, high in zip(lows, highs, strict=True)],
-        "reference": [_packed(column) for column in reference.T],
-        "fields": {quantity.key: _values(quantity, every, rows, points) for quantity in every},
+        "reference": [_number(column, columns) for column in reference.T],
+        "fields": {q.key: _values(q, body.quantities, rows, points, columns) for q in body.quantities},
     }
 
 
-def _values(quantity: Quantity, every: Sequence[Quantity], rows: NDArray[np.intp], points: NDArray[np.intp]) -> dict[str, Any]:
+def _values(
+    quantity: Quantity,
+    every: Sequence[Quantity],
+    rows: NDArray[np.intp],
+    points: NDArray[np.intp],
+    columns: dict[str, int],
+) -> dict[str, Any]:
     """Return a quantity: exact field and error, or the numerical field alone, with the scale of its colours."""
     size = fields.size_of_group(quantity, every)
     scale = fields.scale(quantity, size)
     part = np.ix_(rows, points)
     shown: dict[str, Any] = {"low": sig(scale.low, 7), "high": sig(scale.high, 7), "signed": scale.signed}
     if quantity.exact is None or quantity.error is None:
-        return shown | {"numerical": _packed(quantity.numerical[part])}
-    error = fields.held_error(quantity, size)[part]
+        return shown | {"numerical": _number(quantity.numerical[part], columns)}
+    error, stored = fields.held_error(quantity, size)[part], quantity.error[part]
     seen = np.abs(error[np.isfinite(error)])
     return shown | {
-        "exact": _packed(quantity.exact[part]),
-        "error": _packed(error),
+        "exact": _number(quantity.exact[part], columns),
+        "error": _number(error, columns),
         "reach": sig(float(seen.max(initial=0.0)), 7),
-        "cut": int((error != quantity.error[part]).any(axis=0, where=np.isfinite(quantity.error[part])).sum()),
+        "cut": int((error != stored).any(axis=0, where=np.isfinite(stored)).sum()),
     }
 
 
-def _packed(values: Array) -> dict[str, Any]:
-    """Encode values as `charts.packed` does; a uniform field is its value alone."""
-    if np.isfinite(values).all() and np.ptp(values) == 0:
-        return {"low": float(values.flat[0]), "scale": 0, "data": ""}
-    return packed(values)
+def _number(values: Array, columns: dict[str, int]) -> int:
+    """Return the number of a column, encoded as `charts.packed` does; a uniform one is its value alone."""
+    uniform = bool(np.isfinite(values).all()) and float(np.ptp(values)) == 0
+    column = {"low": float(values.flat[0]), "scale": 0, "data": ""} if uniform else packed(values)
+    return columns.setdefault(json.dumps(column, sort_keys=True), len(columns))

@@ -8,6 +8,8 @@ from .record import Array, Field
 
 OUTPUTS = 16
 """Largest number of output times that a page shows of a field."""
+BISECTIONS = 14
+"""Steps in which the size of the cells is found from which points are drawn."""
 
 
 def positions(field: Field, *, exact: bool = False) -> Array:
@@ -40,14 +42,18 @@ def subsample(reference: Array, most: int) -> NDArray[np.intp]:
     if len(reference) <= most:
         return np.arange(len(reference))
     low, extent = reference.min(axis=0), np.ptp(reference, axis=0)
-    wide = extent[extent > 1e-9 * extent.max()] if extent.max() > 0 else np.ones(1)
-    edge = float((np.prod(wide) / most) ** (1 / len(wide)))
-    while True:
-        cells = np.floor((reference - low) / edge * (1 - 1e-9)).astype(int)
-        _, first = np.unique(cells, axis=0, return_index=True)
-        if len(first) <= most:
-            return np.sort(first)
-        edge *= 1.03
+    coarse, fine = float(extent.max()) or 1.0, 0.0
+    best = np.zeros(1, dtype=np.intp)
+    for _ in range(BISECTIONS):
+        edge = (coarse + fine) / 2
+        cells = np.floor((reference - low) / edge).astype(np.int64)
+        _, first = np.unique(np.ravel_multi_index(tuple(cells.T), tuple(cells.max(axis=0) + 1)), return_index=True)
+        if len(first) > most:
+            fine = edge
+        else:
+            coarse = edge
+            best = first if len(first) > len(best) else best
+    return np.sort(best)
 
 
 def spacing(reference: Array, h: float) -> float:

@@ -162,7 +162,9 @@ def dots(places: Array, values: Array, scale: Scale, size: float) -> Iterator[st
     tenths = np.round(places * 10).astype(int)
     yield f'<g transform="scale(.1)" fill="none" stroke-linecap="round" stroke-width="{10 * max(size, 1.5):.0f}">'
     for k in np.unique(tone[finite]).tolist():
-        path = "".join(f"M{x} {y}h0" for x, y in tenths[finite & (tone == k)].tolist())
+        mine = tenths[finite & (tone == k)]
+        steps = np.diff(mine, axis=0).tolist()
+        path = f"M{mine[0][0]} {mine[0][1]}h0" + "".join(f"m{x} {y}h0" for x, y in steps)
         yield f'<path stroke="{mixed(stops, k / (TONES - 1))}" d="{path}"/>'
     if not finite.all():
         crosses = "".join(f"M{x - 30} {y - 30}l60 60m0-60l-60 60" for x, y in tenths[~finite].tolist())

@@ -73,7 +73,7 @@ def quantities(field: Field) -> tuple[Quantity, ...]:
         if set(suffixes.values()) == set("xyz"[: field.dimension]):
             table.append(_norm(field, group, suffixes, _dot, "magnitude", f"{group} magnitude"))
         elif {"xx", "yy", "xy"} <= set(suffixes.values()) and group == "stress":
-            assumed = "" if "zz" in suffixes.values() else ", σzz = 0"
+            assumed = "" if "zz" in suffixes.values() else " (σzz taken as 0)"
             table.append(_norm(field, group, suffixes, mises_product, "mises", f"von Mises stress{assumed}"))
         for name in names:
             shown = name.replace("_", " ")
@@ -162,15 +162,16 @@ def _peak(values: Array) -> float:
 def scale(quantity: Quantity, group_size: float) -> Scale:
     """Return the scale of a quantity over all its times and points.
 
-    The numerical field is followed by half the exact range beyond either end of it, and up to `group_size` where the exact field
-    vanishes. Round-off of a component that vanishes is shown on the scale of its group; a uniform value on a scale from zero.
+    The numerical field is followed beyond either end of the exact range by half of it or a tenth of `group_size`, and up to
+    `group_size` where the exact field vanishes. Round-off of a component that vanishes is shown on the scale of its group; a
+    uniform value on a scale from zero.
     """
     numerical = quantity.numerical[np.isfinite(quantity.numerical)]
     known = numerical if quantity.exact is None else quantity.exact[np.isfinite(quantity.exact)]
     floor = NOISE * group_size
     if _peak(known) > floor:
         low, high = float(known.min()), float(known.max())
-        room = max(high - low, floor) / 2
+        room = max((high - low) / 2, 0.1 * group_size)
         inside = np.append(numerical.clip(low - room, high + room), (low, high))
     else:
         inside = np.append(numerical.clip(-group_size, group_size), 0.0)

@@ -12,7 +12,7 @@ from . import charts
 from .dominance import maps, source_rows
 from .drawing import drawing
 from .equations import mathml
-from .field_panel import escaped, field_panel, points_within_budget
+from .field_panel import escaped, field_panels
 from .figures import figures
 from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size, typeset_numbers
 from .orders import first_measure, measures, order_tables
@@ -35,8 +35,8 @@ from .styles import STROKES, Style, selection, styles
 from .theory import theory
 from .thumbnails import thumbnail
 
-PAGE, LEAST, ROW = 5_000_000, 500_000, 1_400
-"""Characters of a page that its figures and verdicts may take, those that the fields always may, and those of a verdict, about."""
+PAGE, LEAST, ROW = 5_700_000, 700_000, 2_400
+"""Characters that a page may take, those that its fields always may, and those that a verdict takes with its run, about."""
 DOUBTFUL = 8
 """Largest number of series that did not pass and are drawn at first in addition to the selection."""
 
@@ -54,7 +54,9 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
         series, styled = [entry for entry, _ in chosen], [style for _, style in chosen]
         section = _section(case, anchors[case.name], places, series, styled, outputs, runs)
         sections.append(replace(section, unfolded=case.name in unfolded))
-    most = points_within_budget(record, max(LEAST, PAGE - sum(len(section.figures) for section in sections) - ROW * len(record.judged)))
+    room = PAGE - sum(len(section.figures) for section in sections) - ROW * len(record.judged)
+    drawn = {section.name: [curve.index for curve in section.curves if curve.shown] for section in sections}
+    panels = field_panels(record, drawn, max(LEAST, room))
     formal = {entry.solver: entry.formal for entry in record.series}
     cases = [case.name for case in record.cases]
     return StudyPage(
@@ -76,14 +78,9 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
             solver_anchors(record),
         ),
         schemes=tuple(Scheme(name, scheme, _orders(formal.get(name, {}))) for name, scheme in record.schemes.items()),
-        cases=tuple(_with_field(section, case, record.series, most) for section, case in zip(sections, record.cases, strict=True)),
+        cases=tuple(replace(section, field=panels.get(section.name)) for section in sections),
         origins=(origin(record),),
     )
-
-
-def _with_field(section: CaseSection, case: Case, series: Sequence[Series], most: int) -> CaseSection:
-    shown = [curve.index for curve in section.curves if curve.shown]
-    return replace(section, field=field_panel(case, [entry for entry in series if entry.case == case.name], shown, most))
 
 
 def _orders(formal: Any) -> str:

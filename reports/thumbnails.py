@@ -60,7 +60,9 @@ def field_thumbnail(record: Record) -> str:
         SVG, complete in itself, of the numerical field at a telling time; "" if the study has no such field.
     """
     for case in record.cases:
-        found = [entry.spatial for entry in record.series if entry.case == case.name and entry.spatial and entry.spatial.numerical]
+        found = [
+            entry.spatial for entry in record.series if entry.case == case.name and entry.spatial and entry.spatial.numerical
+        ]
         if found:
             return _thumbnail(min(found, key=lambda field: field.h), case.shown, case.name)
     return ""

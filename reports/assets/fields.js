@@ -177,9 +177,10 @@
 
   /** Points, times and quantities of one series. */
   class Body {
-    constructor(data) {
+    constructor(data, stored) {
       Object.assign(this, data);
-      this.reference = data.reference.map((part) => new Column(part, data.shown));
+      this.stored = stored;
+      this.reference = data.reference.map((part) => new Column(stored[part], data.shown));
       this.columns = new Map();
       this.rows = new Map();
       this.dimension = data.reference.length;
@@ -189,8 +190,8 @@
     column(key, part) {
       const name = `${key} ${part}`;
       if (!this.columns.has(name)) {
-        const stored = this.fields[key]?.[part];
-        this.columns.set(name, stored ? new Column(stored, this.shown) : null);
+        const place = this.fields[key]?.[part];
+        this.columns.set(name, place === undefined ? null : new Column(this.stored[place], this.shown));
       }
       return this.columns.get(name);
     }
@@ -325,7 +326,7 @@
 
     get body() {
       const row = Number(this.role("series").value);
-      if (!this.bodies.has(row)) this.bodies.set(row, new Body(this.data.series[row]));
+      if (!this.bodies.has(row)) this.bodies.set(row, new Body(this.data.series[row], this.data.columns));
       return this.bodies.get(row);
     }
 
@@ -496,7 +497,7 @@
       const scene = this.scene(plot, scale, inside, project, width, height, counts);
       this.scenes.set(plot, scene);
       const apart = this.body.spacing * frame.factor * frame.ratio;
-      const size = Math.max(apart * (apart > 9 * frame.ratio ? 0.94 : 1.3), 1.5 * frame.ratio);
+      const size = Math.max(apart * (apart > 9 * frame.ratio ? 0.94 : 1.45), 1.5 * frame.ratio);
       scene.size = size;
       if (scene.count) painter().paint(context, scene, size, ramp(scale.stops), colours.missing, frame.turned);
       this.ring(context, scene, frame);
@@ -561,7 +562,7 @@
       }
       context.fillText(`${"xyz"[a]} [m]`, (frame.left + right) / 2, base + 31);
       context.textAlign = "right";
-      for (const value of ticks(...view[b], Math.max((base - top) / 45, 1))) {
+      for (const value of ticks(...view[b], Math.max((base - top) / 36, 2))) {
         const y = base - (value - view[b][0]) * frame.factor;
         context.fillRect(frame.left - 4, y - 0.5, 4, 1);
         context.fillText(label(value, 0), frame.left - 7, y + 4);
