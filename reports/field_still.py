@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from . import field_points, fields
 from .colours import PALETTES, Map, mixed
 from .fields import Quantity, Scale
-from .notation import cell_size, count, in_unit, number, unit
+from .notation import cell_size, count, in_unit, number, size, unit
 from .record import Array, Field
 
 POINTS, TONES = 900, 33
@@ -127,7 +127,7 @@ def field_still(field: Field, key: str) -> tuple[str, str]:
     missing = int((~np.isfinite(quantity.numerical[row][part.points])).sum())
     notes = f"; crosses: {count(missing)} points whose value is not finite" if missing else ""
     caption = (
-        f"{quantity.name}{_bracket(quantity.units)} at t = {number(float(field.time[row]), 4)} s, level h = {cell_size(field.h)} m, "
+        f"{quantity.name}{_bracket(quantity.units)} at t = {size(float(field.time[row]))} s, level h = {cell_size(field.h)} m, "
         f"{count(len(part.points))} of {count(len(field.reference))} points drawn{part.words}{notes}"
     )
     return f'<svg class="field-picture" viewBox="0 0 {WIDTH:g} {height:.0f}" aria-hidden="true">{"".join(body)}</svg>', caption
@@ -152,7 +152,7 @@ def _frames(low: Array, high: Array, views: int) -> tuple[list[Frame], float]:
     return frames, step * (1 if beside else views)
 
 
-def dots(places: Array, values: Array, scale: Scale, size: float) -> Iterator[str]:
+def dots(places: Array, values: Array, scale: Scale, diameter: float) -> Iterator[str]:
     """Yield one path for each colour: every point is a line of no length with round ends, in tenths of a unit."""
     stops: Map = PAPER.signed if scale.signed else PAPER.rising
     width = scale.high - scale.low
@@ -160,7 +160,7 @@ def dots(places: Array, values: Array, scale: Scale, size: float) -> Iterator[st
     share = np.where(finite, values - scale.low, 0.0) / width if width > 0 else np.full(len(values), 0.5)
     tone = np.round(share.clip(0, 1) * (TONES - 1)).astype(int)
     tenths = np.round(places * 10).astype(int)
-    yield f'<g transform="scale(.1)" fill="none" stroke-linecap="round" stroke-width="{10 * max(size, 1.5):.0f}">'
+    yield f'<g transform="scale(.1)" fill="none" stroke-linecap="round" stroke-width="{10 * max(diameter, 1.5):.0f}">'
     for k in np.unique(tone[finite]).tolist():
         mine = tenths[finite & (tone == k)]
         steps = np.diff(mine, axis=0).tolist()
@@ -176,12 +176,12 @@ def _axes(frame: Frame, title: str, names: Sequence[str]) -> Iterator[str]:
     base, end = frame.top + frame.height, frame.left + frame.width
     yield f'<path class="grid" fill="none" d="M{frame.left:.1f} {frame.top:.1f}V{base:.1f}H{end:.1f}"/>'
     yield f'<text class="title" x="{frame.left:.1f}" y="{frame.top - 8:.1f}">{escape(title)}</text>'
-    for value in ticks(float(frame.low[0]), float(frame.high[0]), max(2, int(frame.width / 90))):
+    for value in ticks(float(frame.low[0]), float(frame.high[0]), max(2, int(frame.width / 55))):
         x = frame.left + (value - float(frame.low[0])) * frame.factor
-        yield f'<text x="{x:.1f}" y="{base + 14:.1f}" text-anchor="middle">{number(value)}</text>'
-    for value in ticks(float(frame.low[1]), float(frame.high[1]), max(2, int(frame.height / 60))):
+        yield f'<text x="{x:.1f}" y="{base + 14:.1f}" text-anchor="middle">{size(value)}</text>'
+    for value in ticks(float(frame.low[1]), float(frame.high[1]), max(2, int(frame.height / 40))):
         y = frame.top + (float(frame.high[1]) - value) * frame.factor
-        yield f'<text x="{frame.left - 5:.1f}" y="{y + 4:.1f}" text-anchor="end">{number(value)}</text>'
+        yield f'<text x="{frame.left - 5:.1f}" y="{y + 4:.1f}" text-anchor="end">{size(value)}</text>'
     yield f'<text x="{end:.1f}" y="{base + 28:.1f}" text-anchor="end">{names[0]} [m]</text>'
     yield f'<text x="{frame.left - 5:.1f}" y="{frame.top - 8:.1f}" text-anchor="end">{names[1]} [m]</text>'
 
