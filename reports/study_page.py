@@ -12,7 +12,7 @@ from . import charts
 from .dominance import maps, source_rows
 from .drawing import drawing
 from .equations import mathml
-from .field_panel import escaped, field_panels
+from .field_panel import field_panels
 from .figures import figures
 from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size, typeset_numbers
 from .orders import first_measure, measures, order_tables

@@ -206,4 +206,4 @@ def test_the_command_refuses_what_it_cannot_use(tmp_path: Path) -> None:
     assert (status, said.count("\n")) == (2, 1)
     assert "report.md' is not a page of an mpmverify report" in said
     assert page.read_text(encoding="utf-8") == "my notes"
-    assert report(tmp_path, "--format", "pdf")[0] == 2
+    assert report(tmp_path, "--format", "doc")[0] == 2
