@@ -18,7 +18,7 @@ HANDBOOK = Path(__file__).parent / "handbook"
 """Folder of the Markdown and the pictures of the handbook."""
 HANDBOOK_INDEX = "README.md"
 """File of its index, which tells the order of its pages."""
-LIBRARIES = ("jinja2", "latex2mathml", "markdown-it-py", "plotly")
+LIBRARIES = ("jinja2", "latex2mathml", "markdown-it-py", "plotly", "pygments")
 ROOMS = ("convergence", "criteria", "dataset", "judgement")
 """Packages of `mpmverify` on which the pages depend, in addition to the modules of the report."""
 

@@ -11,6 +11,7 @@ from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
 from markdown_it.utils import OptionsDict
 
+from .highlight import highlighted
 from .parts import Link
 
 LANGUAGES = {"sh": "Shell", "python": "Python", "yaml": "YAML", "csv": "CSV"}
@@ -187,7 +188,7 @@ class _Renderer(RendererHTML):
         language = LANGUAGES.get(token.info.strip(), "Text")
         head = f'<p class="file">{escape(name)}</p>\n' if name else ""
         region = _region("scroll", f"{name or language}, block {_next(env, 'block')}")
-        return f'<div class="code">\n{head}{region}<pre><code>{escape(token.content)}</code></pre></div>\n</div>\n'
+        return f'<div class="code">\n{head}{region}<pre><code>{highlighted(token.content, token.info.strip())}</code></pre></div>\n</div>\n'
 
     code_block = fence
 

@@ -3,6 +3,7 @@
 import re
 import shutil
 from collections import Counter
+from html import unescape
 from itertools import pairwise
 from pathlib import Path
 from urllib.parse import unquote
@@ -16,6 +17,7 @@ from test_report import Page, stamps, store, study
 from mpmverify.dataset.files import Results
 from mpmverify.reports import manifest, render
 from mpmverify.reports.handbook_page import handbook_pages
+from mpmverify.reports.highlight import highlighted
 from mpmverify.reports.prose import anchor, prose
 from mpmverify.reports.site import render as html
 
@@ -146,12 +148,19 @@ def test_hostile_text_is_shown_as_text(text, tmp_path):
         assert word in "".join(parsed.text)
 
 
+@given(st.sampled_from(["sh", "python", "yaml", "csv", ""]), st.text(alphabet="ab =\"'#<>&@:$1\n\t\\-", max_size=60))
+def test_code_with_marks_is_the_same_text(language, code):
+    marked = highlighted(code, language)
+    assert unescape(re.sub(r'<span class="\w+">|</span>', "", marked)) == code
+    assert highlighted("x = 1  # one", "python") == 'x = <span class="number">1</span>  <span class="comment"># one</span>'
+
+
 def test_comments_are_not_shown_and_name_the_file_of_a_block():
     assert body("<!-- a -->\n\ntext <!-- b --> more") == "<p>text  more</p>\n"
     shown = body("<!-- parsed: why -->\n<!-- file: a<b.py -->\n```python\nx = 1 < 2\n```")
     assert "parsed" not in shown
     assert '<p class="file">a&lt;b.py</p>' in shown
-    assert "<code>x = 1 &lt; 2\n</code>" in shown
+    assert '<code>x = <span class="number">1</span> &lt; <span class="number">2</span>\n</code>' in shown
 
 
 @given(st.text(alphabet="#>-*`|<!&[]()\n\\ ab\"'=/", max_size=80))
