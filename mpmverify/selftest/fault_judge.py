@@ -138,12 +138,11 @@ class FaultJudge:
                 regression = regression or _killer(findings, "regression")
                 doubtful = doubtful or next((f for f in findings if f.verdict is not Verdict.PASS), None)
                 deviation = max(deviation, *self._deviations(trial, faulty, results))
+        fate, finding = (Fate.EQUIVALENT if deviation <= ROUND_OFF else Fate.SURVIVED), doubtful
         if killed:
             fate, finding = Fate.KILLED, next(iter(killed.values()))
         elif regression:
             fate, finding = Fate.REGRESSION, regression
-        else:
-            fate, finding = (Fate.EQUIVALENT if deviation <= ROUND_OFF else Fate.SURVIVED), doubtful
         passed = tuple(dict.fromkeys(trial.name for trial in reached if trial.name not in killed))
         if killed and not self.every_study:
             passed = ()  # the trials after the first kill were not run
