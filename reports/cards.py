@@ -11,7 +11,7 @@ from .notation import number, order
 from .overview import mark, shares
 from .parts import Mark, Share
 from .record import Record, Series
-from .thumbnails import HEIGHT, WIDTH, thumbnail
+from .thumbnails import HEIGHT, WIDTH, field_thumbnail, thumbnail
 
 FAMILIES = {"MaterialPoint": "Material point method", "TaylorGalerkin": "Taylor-Galerkin", "FiniteElement": "Finite elements"}
 """Names of the shipped solver families; another one is called by the name of its class."""
@@ -88,7 +88,9 @@ def card(record: Record) -> Card:
 
 
 def picture(record: Record) -> str:
-    """Draw the final profile of the first series that passed and has one, as SVG; "" if there is none."""
+    """Draw a field in two or three dimensions, or the final profile of the first series that passed, as SVG; "" if there is none."""
+    if drawn_field := field_thumbnail(record):
+        return drawn_field
     shown = {case.name: case.shown for case in record.cases}
     known = [series for series in record.series if series.profile]
     for series in sorted(known, key=lambda entry: not entry.passed):
