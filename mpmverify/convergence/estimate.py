@@ -38,8 +38,8 @@ NEAR_ZERO = 0.1
 """Least ratio of an error to its first term at which the error tells its order: nearer to a change of its sign, scatter rules it."""
 AMPLITUDES = np.linspace(-0.55, 0.55, 48)
 """Ratios of the alternating part to the other one at the coarsest size."""
-BISECTIONS = 30
-"""Number of bisections for the end of an interval, which begin at the least and the greatest end by a single law."""
+END = 1e-7
+"""Accuracy of the end of an interval, which bisection finds between the least and the greatest end by a single law."""
 NEGLIGIBLE = 1e-3
 """Probability of the least probable laws, all together, that are left out."""
 
@@ -149,7 +149,7 @@ class Estimate:
         half_width = np.array([student_quantile(int(n), confidence) for n in self.freedom]) * self.error
         quantiles = self.limit + self.step + np.stack([-half_width, half_width])
         low, high = quantiles.min(axis=1), quantiles.max(axis=1)
-        for _ in range(BISECTIONS):
+        while np.any(high - low > END * np.maximum(1.0, np.abs(low))):
             middle = (low + high) / 2
             below = self.step_below(middle) < tails
             low, high = np.where(below, middle, low), np.where(below, high, middle)
