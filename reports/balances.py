@@ -1,7 +1,9 @@
-"""Balances of energy, momentum and mass during a run: their histories and defects."""
+"""Histories of a run: balances of energy, momentum and mass with their defects, and errors of the fields."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+
+import numpy as np
 
 from .record import Array, Series
 
@@ -20,12 +22,15 @@ class Balance:
         Label and unit of the vertical axis.
     curves : mapping of str to Array
         Histories (N,) by name.
+    time : Array, optional
+        Times (N,) [s], where they are not those of the histories of the run.
     """
 
     title: str
     quantity: str
     units: str
     curves: Mapping[str, Array]
+    time: Array | None = None
 
 
 def balances(series: Series) -> Iterator[Balance]:
@@ -52,3 +57,17 @@ def balances(series: Series) -> Iterator[Balance]:
             yield Balance(name.capitalize(), name, units[stock], curves)
         title = f"{name.capitalize()} less {source.replace('_', ' ')}" if given.any() else f"Change of {name}"
         yield Balance(title, "defect", units[stock], {"defect": change - given})
+
+
+def errors(series: Series) -> Iterator[Balance]:
+    """Yield the root mean square of the error over the points of the profile, relative to its largest one of the exact field."""
+    profile = series.profile
+    if profile is None or len(profile.time) < 3:
+        return
+    curves = {}
+    for quantity, exact in profile.exact.items():
+        largest = np.sqrt(np.max(np.mean(exact**2, axis=1)))
+        if np.isfinite(largest) and largest > 0:
+            curves[quantity] = np.sqrt(np.mean(profile.error(quantity) ** 2, axis=1)) / largest
+    if curves:
+        yield Balance("Error over time, relative", "root mean square error", "1", curves, profile.time)

@@ -278,6 +278,7 @@ def history(part: Balance) -> Figure:
             "mode": "lines",
             "name": name,
             "y": floats(values),
+            **({} if part.time is None else {"x": floats(part.time)}),
             "line": {"color": f"var(--series-{k % COLOURS})", "dash": DASHES[k % len(DASHES)], "width": 1.6},
         }
         for k, (name, values) in enumerate(part.curves.items())

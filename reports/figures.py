@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from . import charts
-from .balances import balances
+from .balances import balances, errors
 from .field_panel import escaped
 from .notation import cell_size
 from .record import Series
@@ -14,7 +14,7 @@ from .theory import Theory
 def figures(
     series: Sequence[Series],
     curve_styles: Sequence[Style],
-    errors: charts.Figure,
+    convergence: charts.Figure,
     known_theory: Theory | None,
     units: dict[str, str],
     outputs: int,
@@ -26,7 +26,7 @@ def figures(
     ----------
     series, curve_styles : sequences
         Series of the case, with the style of each.
-    errors : Figure
+    convergence : Figure
         Chart of errors and orders.
     known_theory : Theory or None
     units : dict of str to str
@@ -47,11 +47,13 @@ def figures(
                 "h": cell_size(entry.profile.h) if entry.profile else "",
                 "waves": charts.waves(entry.profile, outputs) if entry.profile else None,
                 "time": charts.floats(time) if time is not None else None,
-                "histories": [charts.history(part) for part in balances(entry)] if time is not None else [],
+                "histories": [
+                    charts.history(part) for part in (*errors(entry), *(balances(entry) if time is not None else ()))
+                ],
             }
         )
     body = {
-        "convergence": errors,
+        "convergence": convergence,
         "theory": known_theory and known_theory.figure,
         "dominance": dominance,
         "waves": charts.wave_figures(units),

@@ -306,7 +306,7 @@ class Case {
     const { data, axis } = histories[index];
     const { history } = this.figures;
     const yaxis = { ...history.yaxis, title: { text: axis, standoff: 8 } };
-    return { data: data.map((trace) => ({ ...trace, x: time })), layout: { ...history, yaxis, showlegend: data.length > 1 } };
+    return { data: data.map((trace) => ({ x: time, ...trace })), layout: { ...history, yaxis, showlegend: data.length > 1 } };
   }
 
   togglePlay() {
