@@ -48,8 +48,7 @@ def render(results: Results, *, fresh: bool = False) -> Path:
     if fresh or not manifest.describes(known, results):
         from .site import write
 
-        write(results, manifest, known)
-        manifest.write(results, known)
+        manifest.write(results, known, write(results, manifest, known))
     return results.report / "index.html"
 
 

@@ -11,10 +11,9 @@ from .notation import number, order
 from .overview import mark, shares
 from .parts import Mark, Share
 from .record import Record, Series
+from .solver_names import family
 from .thumbnails import HEIGHT, WIDTH, field_thumbnail, thumbnail
 
-FAMILIES = {"MaterialPoint": "Material point method", "TaylorGalerkin": "Taylor-Galerkin", "FiniteElement": "Finite elements"}
-"""Names of the shipped solver families; another one is called by the name of its class."""
 STRIP_WIDTH, STRIP_HEIGHT, LEFT, LARGEST = 260.0, 58.0, 8.0, 4.0
 """Box of the strip of orders, its margin, and the largest order on its axis; a larger one is drawn at the end."""
 TOP, BOTTOM, RADIUS, STEP = 4.0, 42.0, 2.6, 5.4
@@ -64,7 +63,7 @@ class Card:
 def card(record: Record) -> Card:
     """Make the card of a study."""
     levels = [level for series in record.series for level in series.levels]
-    families = tuple(dict.fromkeys(FAMILIES.get(series.family, series.family) for series in record.series))
+    families = tuple(dict.fromkeys(family((scheme,)) for scheme in record.schemes.values()))
     dimensions = tuple(f"{case.dimension}D" for case in record.cases)
     title = str(record.attributes["title"])
     words = (record.name, title, *(case.name for case in record.cases), *record.schemes, *families)
@@ -144,7 +143,7 @@ def strip(series: Sequence[Series]) -> str:
             else f'<path class="dot-out" d="M{x - 3:.1f} {y - 3:.1f}l6 6m0-6l-6 6"/>'
         )
     axis = f'<path class="tick" d="M{LEFT:g} {BOTTOM:g}H{STRIP_WIDTH - LEFT:g}"/>'
-    return f'<svg class="strip" viewBox="0 0 {STRIP_WIDTH:g} {STRIP_HEIGHT:g}" aria-hidden="true">{"".join(parts)}{axis}</svg>'
+    return f'<svg class="order-dots" viewBox="0 0 {STRIP_WIDTH:g} {STRIP_HEIGHT:g}" aria-hidden="true">{"".join(parts)}{axis}</svg>'
 
 
 def _across(value: float) -> float:

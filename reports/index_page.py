@@ -4,12 +4,13 @@ from collections.abc import Sequence
 
 from mpmverify.convergence.verdict import exit_status
 
-from .cards import FAMILIES, card, changes, headline
+from .cards import card, changes, headline
 from .notation import slugs
 from .overview import MEANING, judgements, mark, matrix, not_passed, origin, shares, solver_anchors, verdict_anchors
 from .pages import IndexPage
 from .parts import Link, Matrix
 from .record import Record
+from .solver_names import family, pages_of
 
 
 def index_page(records: Sequence[Record], generator: str, *, trust_page: bool = False) -> IndexPage:
@@ -24,6 +25,7 @@ def index_page(records: Sequence[Record], generator: str, *, trust_page: bool = 
         root="",
         navigation=(
             Link("Overview", "index.html", True),
+            Link("Solvers", "solvers.html"),
             *((Link("How far to trust this", "trust.html"),) if trust_page else ()),
         ),
         mark=mark(findings),
@@ -45,17 +47,18 @@ def index_page(records: Sequence[Record], generator: str, *, trust_page: bool = 
 
 def _matrices(records: Sequence[Record]) -> tuple[Matrix, ...]:
     """Return the verdict matrix of each family of solvers; its columns are the studies that any of them ran."""
-    family_of = {series.solver: FAMILIES.get(series.family, series.family) for record in records for series in record.series}
+    family_of = {solver: family((scheme,)) for record in records for solver, scheme in record.schemes.items()}
     anchors = {solver: f"solver-{anchor}" for solver, anchor in slugs(list(family_of)).items()}
     places = {record.name: solver_anchors(record) for record in records}
+    pages = {solver: file for record in records for solver, file in pages_of(record).items()}
     table = []
-    for family in dict.fromkeys(family_of.values()):
-        mine = {solver: anchor for solver, anchor in anchors.items() if family_of[solver] == family}
+    for name in dict.fromkeys(family_of.values()):
+        mine = {solver: anchor for solver, anchor in anchors.items() if family_of[solver] == name}
         judged = [finding for record in records for finding in record.judged if finding.solver in mine]
         studies = [record for record in records if any(finding.study == record.name for finding in judged)]
         table.append(
             Matrix(
-                family,
+                name,
                 f"{len(mine)} solver{'s' * (len(mine) != 1)} in {len(studies)} stud{'ies' if len(studies) != 1 else 'y'}",
                 mark(judged),
                 tuple(Link(str(record.attributes["title"]), f"{record.name}.html") for record in studies),
@@ -65,6 +68,7 @@ def _matrices(records: Sequence[Record]) -> tuple[Matrix, ...]:
                     lambda finding: finding.study,
                     lambda study, solver: f"{study}.html#{places[study][solver]}",
                     mine,
+                    pages,
                 ),
             )
         )

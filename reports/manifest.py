@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
@@ -18,6 +18,8 @@ HANDBOOK = Path(__file__).parent / "handbook"
 """Folder of the Markdown and the pictures of the handbook."""
 HANDBOOK_INDEX = "README.md"
 """File of its index, which tells the order of its pages."""
+SOLVERS, SOLVER = "solvers", "solver-"
+"""Name of the page that lists the solvers, and the beginning of the names of their own pages."""
 LIBRARIES = ("jinja2", "latex2mathml", "markdown-it-py", "plotly", "pygments")
 ROOMS = ("convergence", "criteria", "dataset", "judgement")
 """Packages of `mpmverify` on which the pages depend, in addition to the modules of the report."""
@@ -73,13 +75,14 @@ class Manifest:
         Raises
         ------
         ResultsError
-            If a study has the name of the index page or of the trust page.
+            If a study has the name of another page of the report.
         """
         studies = {path.stem: _source(path) for path in results.studies()}
-        for taken, name in (("index", "the index page"), (TRUST, "the trust page")):
-            if taken in studies:
-                raise ResultsError(f"'{results.study(taken)}' would overwrite {name} of the report: rename the study")
         selftest = _source(results.selftest) if results.selftest.exists() else None
+        taken = {"index": "the index page", TRUST: "the trust page", SOLVERS: "the list of solvers"}
+        for study in studies:
+            if name := taken.get(study, "the page of a solver" if study.startswith(SOLVER) else ""):
+                raise ResultsError(f"'{results.study(study)}' would overwrite {name} of the report: rename the study")
         return cls(_code(), studies, selftest, {path.name: _digest(path) for path in handbook_files()})
 
     def describes(self, known: "Manifest", results: Results) -> bool:
@@ -101,7 +104,10 @@ class Manifest:
         ]
 
     def pages(self) -> dict[str, Source | str]:
-        """Return the input of every page except the index, by page name; a page of the handbook also shows what its index says."""
+        """Return the input of every page that is made of one file, by page name; a page of the handbook also shows what its index says.
+
+        The index and the pages of the solvers are made of all studies, and written whenever one of them has changed.
+        """
         index = self.handbook.get(HANDBOOK_INDEX, "")
         texts = {handbook_name(name): index + digest for name, digest in self.handbook.items() if name.endswith(".md")}
         return dict(self.studies) | ({TRUST: self.selftest} if self.selftest else {}) | texts
@@ -110,13 +116,24 @@ class Manifest:
         """Return the pictures of the handbook by their path in the report."""
         return {results.report / "handbook" / name: HANDBOOK / name for name in self.handbook if not name.endswith(".md")}
 
-    def write(self, results: Results, known: "Manifest") -> None:
-        """Write the manifest, and remove pages and pictures whose input file no longer exists."""
-        for name in known.pages().keys() - self.pages().keys():
+    def write(self, results: Results, known: "Manifest", solvers: Collection[str]) -> None:
+        """Write the manifest, and remove pages and pictures whose study, self-test, solver or text no longer exists.
+
+        Parameters
+        ----------
+        results : Results
+        known : Manifest
+            Manifest of the report before.
+        solvers : collection of str
+            Names of the pages of the solvers.
+        """
+        required = {*self.pages(), "index", SOLVERS, *solvers}
+        before = {name.removesuffix(".html") for name in known.written if name.startswith(SOLVER) and name.endswith(".html")}
+        for name in (known.pages().keys() | before) - required:
             page(results, name).unlink(missing_ok=True)
         for picture in known.pictures(results).keys() - self.pictures(results).keys():
             picture.unlink(missing_ok=True)
-        files = [page(results, name) for name in (*self.pages(), "index")]
+        files = [page(results, name) for name in sorted(required)]
         files += [*(results.report / "assets").glob("*.*"), *self.pictures(results)]
         written = {_name(path, results): _digest(path) for path in files}
         text = json.dumps(asdict(replace(self, written=written)), indent=1, sort_keys=True) + "\n"

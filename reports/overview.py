@@ -1,12 +1,11 @@
 """Summaries of verdicts: marks, counts, matrices, lists of the findings that did not pass, and provenance; the index page."""
 
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from mpmverify.convergence.verdict import Verdict, worst
 from mpmverify.judgement.findings import Finding
-from mpmverify.judgement.summary import KNOWN_LIMIT, ranked
+from mpmverify.judgement.summary import KNOWN_LIMIT, ranked, tally
 
 from .notation import ladder, slugs
 from .parts import Cell, Criterion, Fact, GateMark, Group, Judgement, Mark, Origin, Row, Share
@@ -53,13 +52,10 @@ def gate_marks(findings: Sequence[Finding]) -> tuple[GateMark, ...]:
 
 
 def shares(findings: Sequence[Finding]) -> tuple[Share, ...]:
-    """Return the number of findings of each verdict, the worst first; a PASS on a known limit of a scheme counts by itself."""
-    worst_first = sorted(findings, key=lambda finding: (list(Verdict).index(finding.verdict), finding.word), reverse=True)
-    count = Counter((finding.verdict.value, finding.word) for finding in worst_first)
-    return tuple(
-        Share(Mark("limit", KNOWN_LIMIT) if word != verdict else Mark(verdict.lower(), verdict), number)
-        for (verdict, word), number in count.items()
-    )
+    """Return the number of findings with each verdict, the worst first; known limits count by themselves."""
+    marks = {KNOWN_LIMIT: Mark("limit", KNOWN_LIMIT)}
+    marks |= {str(verdict): Mark(verdict.value.lower(), str(verdict)) for verdict in Verdict}
+    return tuple(Share(marks[word], number) for word, number in reversed(tally(findings).items()) if number)
 
 
 def cell(findings: Sequence[Finding], href: str) -> Cell:
@@ -77,6 +73,7 @@ def matrix(
     column_of: Callable[[Finding], str],
     href: Callable[[str, str], str],
     anchors: Mapping[str, str],
+    pages: Mapping[str, str],
 ) -> tuple[Row, ...]:
     """Make the rows of a verdict matrix: one row for each solver, with cells (verification, regression) for each column.
 
@@ -90,6 +87,8 @@ def matrix(
         Returns the link of (column, solver).
     anchors : mapping of str to str
         Anchor of the row of each solver, in the order of the rows.
+    pages : mapping of str to str
+        File of the page of each solver.
     """
     table: dict[tuple[str, str, str], list[Finding]] = {}
     for finding in findings:
@@ -101,7 +100,7 @@ def matrix(
             judged = [table.get((solver, column, gate), []) for gate in GATES]
             verification, regression = (cell(members, href(column, solver)) if members else None for members in judged)
             cells.append((verification, regression))
-        rows.append(Row(anchor, solver, tuple(cells)))
+        rows.append(Row(anchor, solver, pages[solver], tuple(cells)))
     return tuple(rows)
 
 

@@ -3,32 +3,28 @@
 from dataclasses import dataclass
 
 from .cards import Card
+from .failures import Failure
 from .field_panel import FieldPanel
 from .parts import (
     Curve,
     Fact,
-    FateCounts,
-    FaultRow,
     GateMark,
     Group,
     Judgement,
-    KillRow,
     Link,
     Mark,
     Matrix,
     Option,
     OrderTable,
     Origin,
-    RateTable,
     Row,
     RunRow,
     Scheme,
     Share,
     SourceRow,
-    StudyKillsRow,
-    UnmodifiedRow,
 )
 from .theory import Theory
+from .trust_parts import FateCounts, FaultRow, KillRow, RateTable, StudyKillsRow, UnmodifiedRow
 
 
 @dataclass(frozen=True)
@@ -175,6 +171,8 @@ class StudyPage:
     shares : tuple of Share
     lacking : tuple of Judgement
         One if series of the baseline are missing, else empty.
+    failures : tuple of Failure
+        Runs that failed, by series.
     columns : tuple of Link
         Cases, the columns of the matrix.
     rows : tuple of Row
@@ -193,6 +191,7 @@ class StudyPage:
     gates: tuple[GateMark, ...]
     shares: tuple[Share, ...]
     lacking: tuple[Judgement, ...]
+    failures: tuple[Failure, ...]
     columns: tuple[Link, ...]
     rows: tuple[Row, ...]
     schemes: tuple[Scheme, ...]

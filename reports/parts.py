@@ -50,10 +50,11 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a matrix: a solver, with cells (verification, regression) for each column; None where nothing was judged."""
+    """A row of a matrix: a solver, the page of it, and cells (verification, regression) by column; None where nothing was judged."""
 
     anchor: str
     solver: str
+    href: str
     cells: tuple[tuple[Cell | None, Cell | None], ...]
 
 
@@ -70,9 +71,10 @@ class Matrix:
 
 @dataclass(frozen=True)
 class Scheme:
-    """A solver with its choices and formal orders."""
+    """A solver with the page of it, its choices and formal orders."""
 
     solver: str
+    href: str
     choices: str
     orders: str
 
@@ -222,62 +224,3 @@ class RunRow:
     seconds: str
     outcome: str
     href: str
-
-
-@dataclass(frozen=True)
-class FateCounts:
-    """Number of planted faults of a rule, in total and for each fate."""
-
-    rule: str
-    planted: str
-    counts: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class KillRow:
-    """A fault with what each study saw of it: "killed", "passed" or "" where its line does not run."""
-
-    name: str
-    rule: str
-    cells: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class StudyKillsRow:
-    """A study with the number of faults that it ran, killed, and killed as the only one."""
-
-    study: str
-    ran: str
-    killed: str
-    alone: str
-
-
-@dataclass(frozen=True)
-class RateTable:
-    """Rates of right and wrong verdicts on random series; each row has a kind of series, the true order and the rates."""
-
-    caption: str
-    rows: tuple[tuple[str, str, tuple[str, ...]], ...]
-
-
-@dataclass(frozen=True)
-class FaultRow:
-    """A planted fault: the source text before and after, the criterion that caught it, and the trial."""
-
-    mark: Mark
-    name: str
-    place: str
-    before: str
-    after: str
-    by: str
-    where: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class UnmodifiedRow:
-    """A run of the unmodified solvers: verdict, numbers and reason."""
-
-    mark: Mark
-    cells: tuple[str, ...]
-    reason: str

@@ -4,16 +4,19 @@ import dataclasses
 import json
 import re
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
 
 from mpmverify.convergence.sources import Separation
+from mpmverify.dataset.criteria import stored_criterion
 from mpmverify.dataset.files import SCHEMA, check_ours, damaged
 from mpmverify.dataset.findings import read_lacking
 from mpmverify.dataset.sources import MEANING, source_of
-from mpmverify.errors import ResultsError
+from mpmverify.errors import ResultsError, UsageError
 from mpmverify.judgement.findings import Finding
 
 from .field_reader import read_fields
@@ -74,7 +77,7 @@ def _cases(column: Mapping[str, np.ndarray]) -> Iterator[Case]:
 
 def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]:
     column = _columns(group)
-    units, bands, judged = _units(group), _bands(column), _judged(column, study, solver)
+    units, declared, judged = _units(group), _criteria(column), _judged(column, study, solver)
     profiles = _profiles(group.groups["snapshots"]) if "snapshots" in group.groups else {}
     spatial = [part for name, part in group.groups.items() if name.startswith("snapshots_")]
     fields = {identity: entry for part in spatial for identity, entry in read_fields(part).items()}
@@ -100,7 +103,7 @@ def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]
             formal=json.loads(group.orders),
             levels=levels,
             estimates=_estimates(column, units, fits.index(identity), indices),
-            bands=bands.get(identity, {}),
+            criteria=declared.get(identity, {}),
             findings=tuple(judged.get(identity, ())),
             metrics=_metrics(column, indices),
             separations=separated.get(identity, {}),
@@ -153,15 +156,14 @@ def _metrics(column: Mapping[str, np.ndarray], indices: np.ndarray) -> dict[str,
     return {name: values for name, values in table.items() if np.isfinite(values).any()}
 
 
-def _bands(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[Measure, tuple[float, float]]]:
-    """Return the accepted bands of orders by series and measure."""
-    table: dict[tuple[str, str], dict[Measure, tuple[float, float]]] = {}
+def _criteria(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[str, Mapping[str, Any]]]:
+    """Return the fields of the declared criteria by series and title; one that is unknown here is left out."""
+    table: dict[tuple[str, str], dict[str, Mapping[str, Any]]] = {}
     rows = (column[f"criterion_{name}"].tolist() for name in ("case", "refinement", "json"))
     for case, refinement, stored in zip(*rows, strict=True):
-        criterion = json.loads(stored)
-        if criterion["type"] == "Order":
-            measure = criterion["quantity"], criterion["norm"]
-            table.setdefault((case, refinement), {})[measure] = criterion["low"], criterion["high"]
+        with suppress(UsageError):
+            title = stored_criterion(stored, f"case {case!r}").title
+            table.setdefault((case, refinement), {})[title] = json.loads(stored)
     return table
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -124,7 +125,28 @@ class Field:
 
 @dataclass(frozen=True)
 class Series:
-    """One solver on one ladder of one case; `axis` is the refined size, or "" for a design, which has no orders."""
+    """One solver on one ladder of one case.
+
+    Parameters
+    ----------
+    case, solver, family, refinement : str
+        `family` is the name of the class of the solver, and `refinement` the label of the ladder.
+    axis : str
+        The refined size, or "" for a design, which has no orders.
+    formal : mapping of str to float
+        Declared order by quantity.
+    levels : tuple of Level
+    estimates : mapping of Measure to Estimate
+    criteria : mapping of str to mapping
+        Fields of each declared criterion by its title; "type" is the name of its class.
+    findings : tuple of Finding
+    metrics : mapping of str to Array
+        What the criteria measured, by name, on every level.
+    separations : mapping of Measure to Separation
+    profile : Profile or None
+    histories, history_units : mapping of str
+        Histories (N,) of the level that is shown, and their units.
+    """
 
     case: str
     solver: str
@@ -134,7 +156,7 @@ class Series:
     formal: Mapping[str, float]
     levels: tuple[Level, ...]
     estimates: Mapping[Measure, Estimate]
-    bands: Mapping[Measure, tuple[float, float]]
+    criteria: Mapping[str, Mapping[str, Any]]
     findings: tuple[Finding, ...]
     metrics: Mapping[str, Array] = field(default_factory=dict)
     separations: Mapping[Measure, Separation] = field(default_factory=dict)
@@ -148,6 +170,12 @@ class Series:
         """Refined size of each level; empty for a design."""
         return tuple(level.size(self.axis) for level in self.levels) if self.axis else ()
 
+    @cached_property
+    def bands(self) -> Mapping[Measure, tuple[float, float]]:
+        """Accepted orders by measure."""
+        judged = (entry for entry in self.criteria.values() if entry["type"] == "Order")
+        return {(entry["quantity"], entry["norm"]): (entry["low"], entry["high"]) for entry in judged}
+
     @property
     def verified(self) -> tuple[Finding, ...]:
         """Findings of the verification gate, or all findings if it has none."""
@@ -160,6 +188,12 @@ class Series:
     @property
     def completed(self) -> bool:
         return all(level.outcome == "completed" for level in self.levels)
+
+    @property
+    def failed(self) -> bool:
+        """Whether a run did not complete that should have: the criterion `Unstable` expects that its runs do not."""
+        kinds = {self.criteria.get(f.criterion, {}).get("type") for f in self.findings if f.verdict is Verdict.PASS}
+        return not self.completed and "Unstable" not in kinds
 
 
 @dataclass(frozen=True)

@@ -18,10 +18,12 @@ from mpmverify.errors import ResultsError
 
 from .handbook_page import HandbookPage, handbook_pages
 from .index_page import index_page
-from .manifest import HANDBOOK, TRUST, Manifest, page
+from .manifest import HANDBOOK, SOLVERS, TRUST, Manifest, page
 from .pages import IndexPage, StudyPage, TrustPage
 from .parts import Link
 from .reader import read
+from .solver_page import solver_pages
+from .solver_pages import SolverPage, SolversPage
 from .study_page import study_page
 from .trust_page import trust_page
 
@@ -30,14 +32,27 @@ SIGNATURE = b'<meta name="generator" content="mpmverify '
 BEGINNING = b'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n' + SIGNATURE
 END = b"</html>\n"
 """How every page begins, and how it ends unless it is cut off."""
-TEMPLATES = {IndexPage: "index.html", StudyPage: "study.html", TrustPage: "trust.html", HandbookPage: "handbook.html"}
+Page = IndexPage | StudyPage | TrustPage | SolverPage | SolversPage | HandbookPage
+TEMPLATES = {
+    IndexPage: "index.html",
+    StudyPage: "study.html",
+    TrustPage: "trust.html",
+    SolverPage: "solver.html",
+    SolversPage: "solvers.html",
+    HandbookPage: "handbook.html",
+}
 PLOTLY = "plotly.min.js"
 ORIGIN = {"Written": "date_created", "Commit": "commit", "Tier": "tier", "Versions": "versions", "Platform": "platform"}
 """Attributes of the self-test file that the trust page shows, by label."""
 
 
-def write(results: Results, manifest: Manifest, known: Manifest) -> None:
-    """Write the pages that are stale beside the `known` report, the index page and the assets.
+def write(results: Results, manifest: Manifest, known: Manifest) -> tuple[str, ...]:
+    """Write the pages that are stale beside the `known` report, the index page, the pages of the solvers and the assets.
+
+    Returns
+    -------
+    tuple of str
+        Names of the pages of the solvers: only the studies tell them.
 
     Raises
     ------
@@ -50,20 +65,32 @@ def write(results: Results, manifest: Manifest, known: Manifest) -> None:
     runs = {path.stem for path in results.runs.glob("*.nc")}
     records = [read(results.study(name)) for name in sorted(manifest.studies)]
     _write_assets(results, manifest)
+    solvers = solver_pages(records, runs, GENERATOR)
+    for name in solvers:
+        _make_way(page(results, name))
     for record in records:
         if record.name in stale:
             _write(page(results, record.name), render(study_page(record, runs, GENERATOR)))
     if TRUST in stale:
         _write(page(results, TRUST), render(_trust(results)))
     _write_handbook(results, manifest, stale)
+    for name, content in solvers.items():
+        _write(page(results, name), render(content))
     _write(page(results, "index"), render(index_page(records, GENERATOR, trust_page=manifest.selftest is not None)))
+    return tuple(solvers)
 
 
 def _trust(results: Results) -> TrustPage:
     attributes = check_ours(results.selftest, "selftest")
     facts = [(name, str(attributes[key])) for name, key in ORIGIN.items()]
     file = results.selftest.relative_to(results.path).with_suffix("").as_posix()
-    return trust_page(read_selftest(results.selftest), file, facts, (Link("Overview", "index.html"),), GENERATOR)
+    return trust_page(
+        read_selftest(results.selftest),
+        file,
+        facts,
+        (Link("Overview", "index.html"), Link("Solvers", f"{SOLVERS}.html")),
+        GENERATOR,
+    )
 
 
 def _write_handbook(results: Results, manifest: Manifest, stale: Collection[str]) -> None:
@@ -74,7 +101,7 @@ def _write_handbook(results: Results, manifest: Manifest, stale: Collection[str]
                 _write(page(results, name), render(content))
 
 
-def render(content: IndexPage | StudyPage | TrustPage | HandbookPage) -> str:
+def render(content: Page) -> str:
     """Render a page to HTML."""
     fields = {field.name: getattr(content, field.name) for field in dataclasses.fields(content)}
     return environment().get_template(TEMPLATES[type(content)]).render(fields)

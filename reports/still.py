@@ -1,7 +1,7 @@
 """The chart of convergence as a still picture in SVG: what a page shows without scripts, in print, and until the chart is drawn."""
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from html import escape
 from typing import Any
 
@@ -37,12 +37,10 @@ def still(figure: dict[str, Any], measure: str, shown: Collection[int]) -> str:
         return ""
     axes = {name: entry for name, entry in figure["layout"].items() if name.startswith("xaxis")}
     parts = [f'<svg class="still" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" aria-hidden="true">']
-    low, high = _range(heights)
+    low, high = log_range(heights)
 
-    def down(y: float) -> float:
-        return TOP + (math.log10(high) - math.log10(y)) / math.log10(high / low) * (HEIGHT - TOP - BOTTOM)
-
-    for value, label in _levels(low, high):
+    down = scaled((low, high), HEIGHT - BOTTOM, TOP)
+    for value, label in log_levels(low, high):
         y = down(value)
         parts.append(f'<path class="grid" d="M{LEFT:g} {y:.1f}H{WIDTH - RIGHT:g}"/>')
         parts.append(f'<text x="{LEFT - 8:g}" y="{y + 4:.1f}" text-anchor="end">{label}</text>')
@@ -61,15 +59,21 @@ def _chosen(meta: dict[str, Any], shown: Collection[int]) -> bool:
     return any(k in shown for k in meta.get("members", [meta.get("series")]))
 
 
-def _range(values: list[float]) -> tuple[float, float]:
+def log_range(values: list[float]) -> tuple[float, float]:
     """Ends of a logarithmic axis around values, with a margin."""
     low, high = min(values), max(values)
     margin = (high / low) ** 0.07 if high > low else 1.15
     return low / margin, high * margin
 
 
-def _levels(low: float, high: float) -> Iterator[tuple[float, str]]:
-    """Levels of the vertical axis with their labels: powers of ten, and where there are few, twice and five times these."""
+def scaled(ends: tuple[float, float], first: float, last: float) -> Callable[[float], float]:
+    """Return the map of a logarithmic axis, from its ends to the places `first` and `last`."""
+    low, high = map(math.log10, ends)
+    return lambda value: first + (math.log10(value) - low) / (high - low) * (last - first)
+
+
+def log_levels(low: float, high: float) -> Iterator[tuple[float, str]]:
+    """Levels of a logarithmic axis with their labels: powers of ten, and where there are few, twice and five times these."""
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     few = math.log10(high / low) < 2
     for decade in decades:
@@ -81,12 +85,10 @@ def _levels(low: float, high: float) -> Iterator[tuple[float, str]]:
 
 def _panel(axis: dict[str, Any], traces: list[dict[str, Any]], widths: list[float], down: Any) -> Iterator[str]:
     """Draw the traces over one horizontal axis."""
-    low, high = _range(widths)
+    low, high = log_range(widths)
     first, last = (LEFT + share * (WIDTH - LEFT - RIGHT) for share in axis["domain"])
 
-    def across(x: float) -> float:
-        return first + (math.log10(x) - math.log10(low)) / math.log10(high / low) * (last - first)
-
+    across = scaled((low, high), first, last)
     base = HEIGHT - BOTTOM
     ticks = dict(zip(axis.get("tickvals", []), axis.get("ticktext", []), strict=True))
     if not ticks:
@@ -121,10 +123,11 @@ def _trace(trace: dict[str, Any], places: list[tuple[float, float, int]]) -> Ite
                 yield f'<text x="{x:.1f}" y="{y + (14 if after else 4):.1f}" text-anchor="{end}">{escape(trace["text"][k])}</text>'
     if "markers" in trace["mode"]:
         for x, y, k in places:
-            yield _marker(x, y, trace["marker"]["symbol"][k], trace["marker"]["color"])
+            yield marker(x, y, trace["marker"]["symbol"][k], trace["marker"]["color"])
 
 
-def _marker(x: float, y: float, symbol: str, colour: str) -> str:
+def marker(x: float, y: float, symbol: str, colour: str) -> str:
+    """Draw the marker of a point; "-open" at the end of the name of its symbol stands for a hollow one."""
     name = symbol.removesuffix("-open")
     paint = f'fill="{colour if name == symbol else "var(--panel)"}" stroke="{colour}" stroke-width="1.5"'
     if name not in CORNERS:

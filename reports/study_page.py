@@ -6,12 +6,12 @@ from dataclasses import replace
 from typing import Any
 
 from mpmverify.convergence.verdict import Verdict
-from mpmverify.judgement.findings import Finding
 
 from . import charts
 from .dominance import maps, source_rows
 from .drawing import drawing
 from .equations import mathml
+from .failures import Failure, failures
 from .field_panel import field_panels
 from .figures import figures
 from .notation import MINUS, NORM_NAMES, cell_size, count, ladder, number, order, size, typeset_numbers
@@ -28,12 +28,14 @@ from .overview import (
     verdict_anchors,
 )
 from .pages import CaseSection, StudyPage
-from .parts import Curve, Fact, Group, Link, Option, RunRow, Scheme
+from .parts import Curve, Fact, Link, Option, RunRow, Scheme
 from .record import Case, Measure, Record, Series
+from .solver_names import pages_of
 from .still import still
 from .styles import STROKES, Style, selection, styles
 from .theory import theory
 from .thumbnails import thumbnail
+from .verdict_groups import verdict_groups
 
 PAGE, LEAST, ROW = 5_700_000, 700_000, 2_400
 """Characters that a page may take, those that its fields always may, and those that a verdict takes with its run, about."""
@@ -44,6 +46,7 @@ DOUBTFUL = 8
 def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
     """Make the page of a study; `runs` are the keys of the run files that exist."""
     anchors, places = case_anchors(record), verdict_anchors(record)
+    failed = failures(record, places, runs)
     curve_styles = styles(record.series)
     outputs = charts.outputs_within_budget([entry.profile for entry in record.series if entry.profile])
     sections = []
@@ -52,23 +55,24 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
     for case in record.cases:
         chosen = [(entry, style) for entry, style in zip(record.series, curve_styles, strict=True) if entry.case == case.name]
         series, styled = [entry for entry, _ in chosen], [style for _, style in chosen]
-        section = _section(case, anchors[case.name], places, series, styled, outputs, runs)
+        section = _section(case, anchors[case.name], places, failed, series, styled, outputs, runs)
         sections.append(replace(section, unfolded=case.name in unfolded))
     room = PAGE - sum(len(section.figures) for section in sections) - ROW * len(record.judged)
     drawn = {section.name: [curve.index for curve in section.curves if curve.shown] for section in sections}
     panels = field_panels(record, drawn, max(LEAST, room))
-    formal = {entry.solver: entry.formal for entry in record.series}
+    formal, pages = {entry.solver: entry.formal for entry in record.series}, pages_of(record)
     cases = [case.name for case in record.cases]
     return StudyPage(
         title=str(record.attributes["title"]),
         generator=generator,
         root="",
-        navigation=(Link("Overview", "index.html"),),
+        navigation=(Link("Overview", "index.html"), Link("Solvers", "solvers.html")),
         restricted_to=record.restricted_to,
         summary=str(record.attributes["summary"]),
         gates=gate_marks(record.findings),
         shares=shares(record.findings),
         lacking=judgements(record.lacking, lambda _: "#lacking"),
+        failures=tuple(failed.values()),
         columns=tuple(Link(name, f"#{anchors[name]}") for name in cases),
         rows=matrix(
             record.judged,
@@ -76,8 +80,11 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
             lambda finding: finding.case,
             lambda case, solver: f"#{places[case, solver]}",
             solver_anchors(record),
+            pages,
         ),
-        schemes=tuple(Scheme(name, scheme, _orders(formal.get(name, {}))) for name, scheme in record.schemes.items()),
+        schemes=tuple(
+            Scheme(name, pages[name], scheme, _orders(formal.get(name, {}))) for name, scheme in record.schemes.items()
+        ),
         cases=tuple(replace(section, field=panels.get(section.name)) for section in sections),
         origins=(origin(record),),
     )
@@ -91,6 +98,7 @@ def _section(
     case: Case,
     anchor: str,
     places: Mapping[tuple[str, str], str],
+    failed: Mapping[tuple[str, str, str], Failure],
     series: Sequence[Series],
     curve_styles: Sequence[Style],
     outputs: int,
@@ -133,7 +141,7 @@ def _section(
         tables=order_tables(ladders, shown),
         source_rows=source_rows(series),
         maps=tuple(str(figure["title"]) for figure in dominance),
-        groups=_groups(findings, places, sources),
+        groups=verdict_groups(findings, places, failed, sources),
         sources=tuple(sources),
         runs=tuple(row for entry in series for row in _runs(entry, runs)),
         cost=_cost(series),
@@ -176,23 +184,6 @@ def _curves(series: Sequence[Series], curve_styles: Sequence[Style], shown: Meas
         )
         curves.append(curve)
     return tuple(curves)
-
-
-def _groups(findings: Sequence[Finding], places: Mapping[tuple[str, str], str], sources: Sequence[str]) -> tuple[Group, ...]:
-    """Group findings by solver; a group is unfolded if a criterion failed or verification is inconclusive."""
-    table: dict[str, list[Finding]] = {}
-    for finding in findings:
-        table.setdefault(finding.solver, []).append(finding)
-    groups = []
-    for solver, members in table.items():
-        doubtful = any(
-            f.verdict in (Verdict.FAIL, Verdict.ERROR) or (f.gate == "verification" and f.verdict is not Verdict.PASS)
-            for f in members
-        )
-        name = places[members[0].case, solver]
-        judged = judgements(members, lambda finding: f"#{places[finding.case, finding.solver]}", sources)
-        groups.append(Group(name, mark(members), solver, gate_marks(members), doubtful, judged))
-    return tuple(groups)
 
 
 def _runs(entry: Series, runs: Set[str]) -> list[RunRow]:

@@ -6,7 +6,8 @@ from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, SelfTest, t
 
 from .notation import count
 from .pages import TrustPage
-from .parts import Fact, FateCounts, FaultRow, KillRow, Link, Mark, Origin, RateTable, StudyKillsRow, UnmodifiedRow
+from .parts import Fact, Link, Mark, Origin
+from .trust_parts import FateCounts, FaultRow, KillRow, RateTable, StudyKillsRow, UnmodifiedRow
 
 MEANING = {
     Fate.KILLED: "A verification criterion failed, a run did not complete, or the solution was invalid.",

@@ -44,6 +44,7 @@ from mpmverify.reports.pages import IndexPage, StudyPage, TrustPage
 from mpmverify.reports.record import Estimate, Profile
 from mpmverify.reports.record import Series as RecordSeries
 from mpmverify.reports.site import TEMPLATES, environment
+from mpmverify.reports.solver_pages import SolverPage, SolversPage
 from mpmverify.reports.still import still
 from mpmverify.reports.thumbnails import HEIGHT, MARGIN, Thumbnail, thumbnail
 from mpmverify.reports.trust_page import trust_page
@@ -218,6 +219,21 @@ def pages(results: Results) -> dict[str, Page]:
     return {path.relative_to(results.report).as_posix(): Page(path) for path in results.report.rglob("*.html")}
 
 
+def broken_links(results: Results, known: dict[str, Page], name: str) -> list[str]:
+    """Links of a page whose file or anchor does not exist."""
+    broken = []
+    for link in known[name].links:
+        target, _, anchor = link.partition("#")
+        path = ((results.report / name).parent / target if target else results.report / name).resolve()
+        if link.startswith("https://doi.org/"):
+            continue
+        if not path.exists() or (
+            anchor and unquote(anchor) not in known[path.relative_to(results.report.resolve()).as_posix()].ids
+        ):
+            broken.append(link)
+    return broken
+
+
 def strict(text: str) -> dict:
     def refuse(constant: str) -> None:
         raise AssertionError(f"{constant} is not JSON")
@@ -235,16 +251,10 @@ def test_pages_are_well_formed_with_unique_identifiers(stored: tuple[Results, li
 def test_every_link_has_a_target_and_every_resource_is_local(stored: tuple[Results, list]) -> None:
     results, _ = stored
     known = pages(results)
-    assert {name for name in known if "/" not in name} == {"index.html", "sample.html", "second.html", "trust.html"}
+    solvers = {"solvers.html", "solver-good.html", "solver-bad.html", "solver-crashed.html"}
+    assert {name for name in known if "/" not in name} == {"index.html", "sample.html", "second.html", "trust.html"} | solvers
     for name, page in known.items():
-        for link in page.links:
-            if link.startswith("https://doi.org/"):
-                continue
-            target, _, anchor = link.partition("#")
-            path = (results.report / name).parent / target if target else results.report / name
-            assert path.exists(), f"{name} links to {link}"
-            page_of = path.resolve().relative_to(results.report.resolve()).as_posix() if anchor else ""
-            assert not anchor or unquote(anchor) in known[page_of].ids, f"{name} links to {link}"
+        assert not broken_links(results, known, name)
         assert page.resources
         for resource in page.resources:
             local = (results.report / name).parent / resource
@@ -302,6 +312,9 @@ def test_the_overview_has_a_card_for_each_study_and_says_what_failed_first(store
 
 
 def test_a_strip_places_a_dot_at_its_order_and_a_cross_at_one_outside_its_band() -> None:
+    def judged_by(low: float, high: float) -> dict:
+        return {q: {"type": "Order", "quantity": q, "norm": "L2", "low": low, "high": high} for q in ("u", "v")}
+
     estimate = Estimate(*(np.ones(1),) * 2, "1", np.ones(1), (True,), (), 2.0, 1.9, 2.1, 0.0, "converging")
     outside = dataclasses.replace(estimate, order=9.0)
     series = RecordSeries(
@@ -313,18 +326,18 @@ def test_a_strip_places_a_dot_at_its_order_and_a_cross_at_one_outside_its_band()
         {},
         (),
         {("u", "L2"): estimate, ("v", "L2"): outside},
-        {("u", "L2"): (1.5, math.inf), ("v", "L2"): (1.5, math.inf)},
+        judged_by(1.5, math.inf),
         (),
     )
     assert cards.judged_orders([series]) == [(2.0, 1.5, math.inf, True), (9.0, 1.5, math.inf, True)]
-    series = dataclasses.replace(series, bands={("u", "L2"): (1.8, 2.2), ("v", "L2"): (1.8, 2.2)})
+    series = dataclasses.replace(series, criteria=judged_by(1.8, 2.2))
     drawn = cards.strip([series])
     middle, end = cards.STRIP_WIDTH / 2, cards.STRIP_WIDTH - cards.LEFT
     assert re.search(rf'<circle class="dot-in" cx="{middle:.1f}"', drawn)
     assert f'<path class="dot-out" d="M{end - 3:.1f}' in drawn
     assert drawn.count('class="accepted"') == 1
     assert cards.orders([series]) == "2 orders, 2.00 to 9.00; 1 in the accepted band"
-    assert cards.strip([dataclasses.replace(series, bands={})]) == cards.orders([]) == ""
+    assert cards.strip([dataclasses.replace(series, criteria={})]) == cards.orders([]) == ""
 
 
 @pytest.mark.parametrize(
@@ -372,11 +385,16 @@ def test_a_copied_study_file_with_missing_series_links_to_its_own_page(tmp_path:
     store(results, study(solvers=("good",)), known)
     results.study("sample").rename(results.study("copy"))
     render(results)
-    assert {name for name in pages(results) if "/" not in name} == {"index.html", "copy.html"}
+    assert {name for name in pages(results) if "/" not in name} == {
+        "index.html",
+        "copy.html",
+        "solvers.html",
+        "solver-good.html",
+    }
     assert "copy.html#lacking" in pages(results)["index.html"].links
     assert "sample.html#lacking" not in pages(results)["index.html"].links
     cells = [cell for page in pages(results).values() for cell in page.cells if "INCONCLUSIVE" in cell and "/" in cell]
-    assert [cell.split()[-1] for cell in cells] == ["1/1", "1/1"], "series that were not run are in no cell of a matrix"
+    assert [cell.split()[-1] for cell in cells] == ["1/1"] * 3, "series that were not run are in no cell of a matrix"
 
 
 def test_a_case_with_frequencies_only_has_a_series_chooser_and_no_convergence_chart(tmp_path: Path) -> None:
@@ -506,7 +524,7 @@ def test_each_template_uses_exactly_the_fields_of_its_page() -> None:
             assert engine.loader is not None
             names |= meta.find_undeclared_variables(engine.parse(engine.loader.get_source(engine, part)[0]))
         assert names == {field.name for field in dataclasses.fields(kind)}, template
-    assert set(TEMPLATES) == {IndexPage, StudyPage, TrustPage, HandbookPage}
+    assert set(TEMPLATES) == {IndexPage, StudyPage, TrustPage, HandbookPage, SolverPage, SolversPage}
 
 
 def test_every_planted_fault_and_every_false_alarm_is_shown(stored: tuple[Results, list]) -> None:
@@ -584,11 +602,14 @@ def test_only_a_changed_study_is_rendered_and_the_page_of_a_removed_study_is_del
     store(fresh, study("second", ("good", "bad")))
     render(fresh)
     after = stamps(fresh)
-    changed = {Path(name).name for name in after if after[name] != before[name]}
-    assert changed == {"second.html", "index.html", "manifest.json"}
+    changed = {Path(name).name for name in after if after[name] != before.get(name)}
+    solvers = {"solvers.html", "solver-good.html", "solver-bad.html"}
+    assert changed == {"second.html", "index.html", "manifest.json"} | solvers, "a page of a solver is made of all studies"
     fresh.study("second").unlink()
     render(fresh)
     assert not (fresh.report / "second.html").exists()
+    assert not (fresh.report / "solver-bad.html").exists(), "no study that is left has this solver"
+    assert (fresh.report / "solver-good.html").exists()
     assert "second.html" not in (fresh.report / "index.html").read_text(encoding="utf-8")
 
 

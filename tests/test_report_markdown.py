@@ -53,7 +53,8 @@ def finding(verdict: Verdict = Verdict.FAIL, name: str = "name", gate: str = "ve
 def series(*findings: Finding, name: str = "name", order: float = 1.95) -> Series:
     estimate = Estimate((), (), "m", (), (), (), order, order - 0.1, order + 0.1, 0.0, "asymptotic")
     measure = ("u", "L2")
-    return Series(name, name, "f", "nu_C=0.5", "h", {}, (), {measure: estimate}, {measure: (1.8, 2.2)}, findings)
+    judged = {"type": "Order", "quantity": measure[0], "norm": measure[1], "low": 1.8, "high": 2.2}
+    return Series(name, name, "f", "nu_C=0.5", "h", {}, (), {measure: estimate}, {"order": judged}, findings)
 
 
 def record(*several: Series, **attributes: str) -> Record:

@@ -40,14 +40,26 @@ def read_criteria(solver: str, dataset: xr.Dataset) -> dict[SeriesId, tuple[Crit
     """
     table: dict[SeriesId, tuple[Criterion, ...]] = {}
     for case, refinement, stored in zip(*(dataset[name].values.tolist() for name in COLUMNS), strict=True):
-        values = json.loads(stored)
-        kind = values.pop("type")
-        if kind not in CRITERIA:
-            raise UsageError(f"the criterion {kind!r} of case {case!r} is unknown: choose from {', '.join(CRITERIA)}")
-        criterion: Criterion = CRITERIA[kind](**{name: _frozen(value) for name, value in values.items()})
+        criterion = stored_criterion(stored, f"case {case!r}")
         series = SeriesId(case, solver, refinement)
         table[series] = (*table.get(series, ()), criterion)
     return table
+
+
+def stored_criterion(stored: str, where: str) -> Criterion:
+    """Return a criterion from its text in JSON; `where` names its place in an error.
+
+    Raises
+    ------
+    UsageError
+        If it is unknown, or rejects its stored values.
+    """
+    values = json.loads(stored)
+    kind = values.pop("type")
+    if kind not in CRITERIA:
+        raise UsageError(f"the criterion {kind!r} of {where} is unknown: choose from {', '.join(CRITERIA)}")
+    criterion: Criterion = CRITERIA[kind](**{name: _frozen(value) for name, value in values.items()})
+    return criterion
 
 
 def _frozen(value: Any) -> Any:

@@ -83,8 +83,19 @@ def confirmed(solution: Solution) -> Outcome:
     outcome = solution.outcome
     bad = [name for name, values in solution.arrays().items() if not np.all(np.isfinite(values))]
     if outcome.completed and bad:
-        return Outcome(Status.NON_FINITE, f"the solver reports completion, but {bad[0]} is not finite")
+        detail = f"the solver reports completion, but {bad[0]} is not finite{_since(solution, bad[0])}"
+        return Outcome(Status.NON_FINITE, detail)
     return Outcome(outcome.status, plain(outcome.detail), plain(outcome.advice))
+
+
+def _since(solution: Solution, name: str) -> str:
+    """Say from when on an array of a solution is not finite; "" if it has no time, or its times are not finite either."""
+    values = solution.arrays()[name]
+    time = solution.histories["time"] if name.startswith("history of ") else solution.time
+    if name in ("time", "history of time", "reference") or not np.all(np.isfinite(time)):
+        return ""
+    broken = ~np.isfinite(values).reshape(len(values), -1).all(axis=1)
+    return f" from t = {time[np.argmax(broken)]:.4g} s on"
 
 
 def plain(text: str) -> str:
