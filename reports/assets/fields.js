@@ -1,7 +1,7 @@
 "use strict";
 
 // Fields in two and three dimensions: points at their current positions, coloured by a quantity. All panels of a page share one
-// WebGL context, because browsers allow few; without WebGL the points are drawn on the processor.
+// WebGL context, because browsers allow few; without a graphics card the points are drawn on the processor.
 
 {
   const VERTEX = `#version 300 es
@@ -103,7 +103,7 @@
     }
   }
 
-  /** Draws points into the pixels of an image; the nearest point is drawn last. */
+  /** Draws points into the pixels of an image; in front of one another by the depth that each pixel has reached. */
   class PixelPainter {
     paint(context, scene, size, colours, missing, solid) {
       const { width, height } = context.canvas;
@@ -111,18 +111,26 @@
       const pixels = new Uint32Array(image.data.buffer);
       const tones = new Uint32Array(colours.buffer);
       const marked = new Uint32Array(new Uint8Array([...rgb(missing), 255]).buffer)[0];
-      const order = Uint32Array.from({ length: scene.count }, (_, k) => k);
-      if (solid) order.sort((a, b) => scene.points[4 * b + 2] - scene.points[4 * a + 2]);
-      for (const k of order) {
-        const [x, y, , share] = scene.points.subarray(4 * k, 4 * k + 4);
+      const reached = solid ? new Float32Array(width * height).fill(Infinity) : null;
+      for (let k = 0; k < scene.count; k += 1) {
+        const x = scene.points[4 * k];
+        const y = scene.points[4 * k + 1];
+        const depth = scene.points[4 * k + 2];
+        const share = scene.points[4 * k + 3];
         const lost = share < 0;
-        const radius = Math.max(lost ? Math.max(size, 9) / 2 : size / 2, 0.5);
+        const radius = Math.max((lost ? Math.max(size, 9) : size) / 2, 0.5);
         const paint = lost ? marked : tones[Math.round(share * (TONES - 1))];
-        for (let row = Math.max(Math.round(y - radius), 0); row < Math.min(Math.round(y + radius), height); row += 1) {
-          for (let column = Math.max(Math.round(x - radius), 0); column < Math.min(Math.round(x + radius), width); column += 1) {
-            const [dx, dy] = [column + 0.5 - x, row + 0.5 - y];
-            const inside = lost ? Math.min(Math.abs(dx - dy), Math.abs(dx + dy)) < 0.4 * radius : dx * dx + dy * dy < radius * radius;
-            if (inside || size < 3) pixels[row * width + column] = paint;
+        const [left, right] = [Math.max(Math.round(x - radius), 0), Math.min(Math.round(x + radius), width)];
+        const bottom = Math.min(Math.round(y + radius), height);
+        for (let row = Math.max(Math.round(y - radius), 0); row < bottom; row += 1) {
+          const dy = row + 0.5 - y;
+          for (let column = left; column < right; column += 1) {
+            const dx = column + 0.5 - x;
+            const drawn = lost ? Math.min(Math.abs(dx - dy), Math.abs(dx + dy)) < 0.4 * radius : dx * dx + dy * dy < radius * radius;
+            const place = row * width + column;
+            if (!(drawn || size < 3) || (reached && depth > reached[place])) continue;
+            pixels[place] = paint;
+            if (reached) reached[place] = depth;
           }
         }
       }
@@ -136,12 +144,19 @@
   let shared = null;
   const panels = new Map();
 
+  /** Returns whether the processor does the work of the graphics card: it is faster without this detour. */
+  function emulated(gl) {
+    const detail = gl.getExtension("WEBGL_debug_renderer_info");
+    const name = gl.getParameter(detail ? detail.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
+    return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
+  }
+
   function painter() {
     if (shared) return shared;
     const canvas = document.createElement("canvas");
-    const gl = canvas.getContext("webgl2", { antialias: false, alpha: true, premultipliedAlpha: true });
+    const gl = canvas.getContext("webgl2", { antialias: false, alpha: true, failIfMajorPerformanceCaveat: true });
     try {
-      shared = gl ? new GraphicsPainter(gl) : new PixelPainter();
+      shared = gl && !emulated(gl) ? new GraphicsPainter(gl) : new PixelPainter();
     } catch {
       shared = new PixelPainter();
     }
@@ -169,8 +184,14 @@
     }
 
     row(row) {
-      const values = new Float32Array(this.points);
-      for (let point = 0; point < this.points; point += 1) values[point] = this.at(row, point);
+      const { points, steps, low, scale } = this;
+      const values = new Float32Array(points);
+      if (!steps) return values.fill(low);
+      const first = row * points;
+      for (let point = 0; point < points; point += 1) {
+        const step = steps[first + point];
+        values[point] = step === -32768 ? Number.NaN : low + (step + 32767) * scale;
+      }
       return values;
     }
   }
@@ -468,20 +489,26 @@
       ];
     }
 
-    /** Returns pixel coordinates and depth of positions given by a function of the axis. */
+    /** Returns the rows of the affine map from positions to pixels and depth: a constant, then a factor for each axis. */
     projection(frame) {
-      const { view } = this.body;
+      const { view, dimension } = this.body;
       const scale = frame.factor * frame.ratio;
+      const none = () => new Array(dimension + 1).fill(0);
       if (!frame.turned) {
+        const [across, down, deep] = [none(), none(), none()];
         const [a, b] = this.axes;
         const base = (frame.css.height - frame.margin.bottom) * frame.ratio;
-        return (at) => [frame.left * frame.ratio + (at(a) - view[a][0]) * scale, base - (at(b) - view[b][0]) * scale, 0];
+        [across[0], across[a + 1]] = [frame.left * frame.ratio - view[a][0] * scale, scale];
+        [down[0], down[b + 1]] = [base + view[b][0] * scale, -scale];
+        return [across, down, deep];
       }
-      const middle = view.map(([low, high]) => (low + high) / 2);
+      const line = (start, factor, parts) => {
+        const factors = parts.map((part) => part * factor);
+        return [factors.reduce((sum, part, axis) => sum - (part * (view[axis][0] + view[axis][1])) / 2, start), ...factors];
+      };
       const [across, up, deep] = this.rotation();
-      const centre = [(frame.css.width / 2) * frame.ratio, (frame.css.height / 2) * frame.ratio];
-      const dot = (line, at) => line.reduce((sum, part, axis) => sum + part * (at(axis) - middle[axis]), 0);
-      return (at) => [centre[0] + dot(across, at) * scale, centre[1] - dot(up, at) * scale, dot(deep, at) / frame.width];
+      const [x, y] = [frame.css.width, frame.css.height].map((size) => (size / 2) * frame.ratio);
+      return [line(x, scale, across), line(y, -scale, up), line(0, 1 / frame.width, deep)];
     }
 
     plot(plot, box, scale, inside, colours, counts) {
@@ -492,9 +519,9 @@
       canvas.style.height = `${frame.css.height}px`;
       const context = canvas.getContext("2d");
       context.clearRect(0, 0, width, height);
-      const project = this.projection(frame);
-      this.grid(context, frame, project);
-      const scene = this.scene(plot, scale, inside, project, width, height, counts);
+      const projection = this.projection(frame);
+      this.grid(context, frame, projection);
+      const scene = this.scene(plot, scale, inside, projection, width, height, counts);
       this.scenes.set(plot, scene);
       const apart = this.body.spacing * frame.factor * frame.ratio;
       const size = Math.max(apart * (apart > 9 * frame.ratio ? 0.94 : 1.45), 1.5 * frame.ratio);
@@ -503,33 +530,47 @@
       this.ring(context, scene, frame);
     }
 
+    /** Returns room for the points of one view, the same at every frame. */
+    space(plot, shown) {
+      const kept = this.scenes.get(plot);
+      if (kept?.index.length === shown) return kept;
+      return { points: new Float32Array(4 * shown), index: new Uint32Array(shown) };
+    }
+
     /** Returns the points of one view for the painter; those that are not finite come last, so that they are seen. */
-    scene(plot, scale, inside, project, width, height, counts) {
+    scene(plot, scale, inside, projection, width, height, counts) {
       const { body, quantity: key, row } = this;
       const where = plot === "exact" ? "exact" : "numerical";
       const places = body.reference.map((_, axis) => body.places(axis, where, row));
       const values = body.values(key, plot, row);
-      const points = new Float32Array(4 * body.shown);
-      const index = new Uint32Array(body.shown);
+      const { points, index } = this.space(plot, body.shown);
+      const [across, down, deep] = projection;
+      const [xs, ys, zs] = [places[0], places[1], places[2] ?? places[0]];
+      const third = (line) => line[3] ?? 0;
+      const [ax, ay, az] = [across, down, deep].map(third);
+      const { low } = scale;
       const range = scale.high - scale.low;
       let [front, back] = [0, body.shown];
-      let point = 0;
-      const at = (axis) => places[axis][point];
-      for (point = 0; point < body.shown; point += 1) {
+      for (let point = 0; point < body.shown; point += 1) {
         if (inside && !inside[point]) continue;
-        const [x, y, depth] = project(at);
+        const x = across[0] + across[1] * xs[point] + across[2] * ys[point] + ax * zs[point];
+        const y = down[0] + down[1] * xs[point] + down[2] * ys[point] + ay * zs[point];
         if (!(x >= 0 && x <= width && y >= 0 && y <= height)) {
           if (plot === "numerical") counts.outside += 1;
           continue;
         }
-        const share = range > 0 ? (values[point] - scale.low) / range : 0.5;
-        const finite = Number.isFinite(values[point]);
+        const value = values[point];
+        const finite = Number.isFinite(value);
+        const share = range > 0 ? (value - low) / range : 0.5;
         if (plot === "numerical" && !finite) counts.missing += 1;
         if (plot === "numerical" && finite && (share < -1e-3 || share > 1.001)) counts.beyond += 1;
         const place = finite ? front : back - 1;
         if (finite) front += 1;
         else back -= 1;
-        points.set([x, y, depth, finite ? Math.min(Math.max(share, 0), 1) : MISSING], 4 * place);
+        points[4 * place] = x;
+        points[4 * place + 1] = y;
+        points[4 * place + 2] = deep[0] + deep[1] * xs[point] + deep[2] * ys[point] + az * zs[point];
+        points[4 * place + 3] = finite ? Math.min(Math.max(share, 0), 1) : MISSING;
         index[place] = point;
       }
       points.copyWithin(4 * front, 4 * back);
@@ -537,13 +578,13 @@
       return { points, index, count: front + body.shown - back };
     }
 
-    grid(context, frame, project) {
+    grid(context, frame, projection) {
       const sheet = getComputedStyle(this.section);
       const [muted, line] = ["--muted", "--line"].map((name) => sheet.getPropertyValue(name).trim());
       context.save();
       context.scale(frame.ratio, frame.ratio);
       Object.assign(context, { font: `11px ${sheet.fontFamily}`, fillStyle: muted, strokeStyle: line, lineWidth: 1 });
-      if (frame.turned) this.box(context, frame, project);
+      if (frame.turned) this.box(context, frame, projection);
       else this.scales(context, frame);
       context.restore();
     }
@@ -574,16 +615,19 @@
     }
 
     /** Draws the box of the view, with the names of its axes at the ends of three edges. */
-    box(context, frame, project) {
+    box(context, frame, projection) {
       const { view } = this.body;
-      const pixel = (corner) => project((axis) => view[axis][corner[axis]]).map((size) => size / frame.ratio);
+      const pixel = (corner) => {
+        const along = (line) => corner.reduce((sum, end, axis) => sum + line[axis + 1] * view[axis][end], line[0]);
+        return projection.slice(0, 2).map((line) => along(line) / frame.ratio);
+      };
       context.beginPath();
       for (const corner of CORNERS) {
         for (let axis = 0; axis < 3; axis += 1) {
           if (corner[axis]) continue;
           const other = corner.map((end, k) => (k === axis ? 1 : end));
-          context.moveTo(...pixel(corner).slice(0, 2));
-          context.lineTo(...pixel(other).slice(0, 2));
+          context.moveTo(...pixel(corner));
+          context.lineTo(...pixel(other));
         }
       }
       context.stroke();
@@ -676,8 +720,7 @@
     nearest(scene, x, y, reach) {
       let [best, found] = [reach * reach, null];
       for (let k = 0; k < scene.count; k += 1) {
-        const [px, py] = scene.points.subarray(4 * k, 4 * k + 2);
-        const distance = (px - x) ** 2 + (py - y) ** 2;
+        const distance = (scene.points[4 * k] - x) ** 2 + (scene.points[4 * k + 1] - y) ** 2;
         if (distance <= best) [best, found] = [distance, scene.index[k]];
       }
       return found;
