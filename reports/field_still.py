@@ -125,7 +125,8 @@ def field_still(field: Field, key: str) -> tuple[str, str]:
         body += dots(frame.place(chosen), values[part.points], colours, layer * frame.factor)
         body += _bar(frame, colours, quantity.units)
     missing = int((~np.isfinite(quantity.numerical[row][part.points])).sum())
-    notes = f"; crosses: {count(missing)} points whose value is not finite" if missing else ""
+    points = "1 point" if missing == 1 else f"{count(missing)} points"
+    notes = f"; crosses: {points} whose value is not finite" if missing else ""
     caption = (
         f"{quantity.name}{_bracket(quantity.units)} at t = {size(float(field.time[row]))} s, level h = {cell_size(field.h)} m, "
         f"{count(len(part.points))} of {count(len(field.reference))} points drawn{part.words}{notes}"

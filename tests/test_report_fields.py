@@ -337,7 +337,7 @@ def test_a_value_that_is_not_finite_is_marked_in_the_picture_and_in_its_caption(
     picture, caption = field_still(field, "stress_xx")
     missing = PALETTES["light"].missing
     assert picture.count(missing) == 2, "in the numerical field and in the difference"
-    assert "crosses: 1 points whose value is not finite" in caption
+    assert "crosses: 1 point whose value is not finite" in caption
     picture, caption = field_still(field, "displacement_x")
     assert missing not in picture
     assert "finite" not in caption
@@ -486,7 +486,9 @@ def test_the_panel_works_in_a_browser(stored: dict[int, Results], tmp_path: Path
     assert outcome["last"]["share"] > 0.2, "the canvas is not blank"
     assert outcome["last"]["sum"] != outcome["first"]["sum"], "the slider changes the picture"
     assert outcome["stress"]["sum"] != outcome["last"]["sum"], "the quantity changes the picture"
-    assert ("Crosses: 1 points" in outcome["note"]) == (dimension == 2), "in three dimensions the point is in another layer"
+    assert ("Crosses: 1 point whose" in outcome["note"]) == (dimension == 2), (
+        "in three dimensions the point is in another layer"
+    )
     assert outcome["words"].startswith("Point "), "the keyboard marks a point"
     assert outcome["rows"] == (10 if dimension == 2 else 15)
     assert outcome["history"] == 1

@@ -35,6 +35,7 @@
     }`;
   const TONES = 256;
   const MISSING = -1;
+  const FEW = 5000; // points that are drawn as discs: smoother than pixels, and slower
   const CORNERS = [0, 1, 2, 3, 4, 5, 6, 7].map((n) => [n & 1, (n >> 1) & 1, n >> 2]);
 
   const rgb = (colour) => [1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16));
@@ -106,6 +107,35 @@
   /** Draws points into the pixels of an image; in front of one another by the depth that each pixel has reached. */
   class PixelPainter {
     paint(context, scene, size, colours, missing, solid) {
+      if (scene.count <= FEW) this.discs(context, scene, size, colours, missing, solid);
+      else this.pixels(context, scene, size, colours, missing, solid);
+    }
+
+    /** Draws each point as a disc with smooth edges, the nearest last. */
+    discs(context, { points, count }, size, colours, missing, solid) {
+      const order = Uint32Array.from({ length: count }, (_, k) => k);
+      if (solid) order.sort((a, b) => points[4 * b + 2] - points[4 * a + 2]);
+      Object.assign(context, { strokeStyle: missing, lineWidth: Math.max(size, 9) / 5 });
+      for (const k of order) {
+        const [x, y, share] = [points[4 * k], points[4 * k + 1], points[4 * k + 3]];
+        context.beginPath();
+        if (share < 0) {
+          const arm = Math.max(size, 9) / 3;
+          for (const side of [-1, 1]) {
+            context.moveTo(x - arm, y - side * arm);
+            context.lineTo(x + arm, y + side * arm);
+          }
+          context.stroke();
+          continue;
+        }
+        const tone = 4 * Math.round(share * (TONES - 1));
+        context.fillStyle = `rgb(${colours[tone]} ${colours[tone + 1]} ${colours[tone + 2]})`;
+        context.arc(x, y, size / 2, 0, 2 * Math.PI);
+        context.fill();
+      }
+    }
+
+    pixels(context, scene, size, colours, missing, solid) {
       const { width, height } = context.canvas;
       const image = context.createImageData(width, height);
       const pixels = new Uint32Array(image.data.buffer);
@@ -128,7 +158,7 @@
             const dx = column + 0.5 - x;
             const drawn = lost ? Math.min(Math.abs(dx - dy), Math.abs(dx + dy)) < 0.4 * radius : dx * dx + dy * dy < radius * radius;
             const place = row * width + column;
-            if (!(drawn || size < 3) || (reached && depth > reached[place])) continue;
+            if (!(drawn || (!lost && size < 3)) || (reached && depth > reached[place])) continue;
             pixels[place] = paint;
             if (reached) reached[place] = depth;
           }
@@ -409,7 +439,7 @@
       const middle = low + Number(this.role("depth").value) * this.body.spacing;
       const half = this.body.spacing * 0.501;
       const axis = "xyz"[Number(this.view)];
-      this.role("place").textContent = `${axis.toUpperCase()} = ${shown(middle, 3)} m`;
+      this.role("place").textContent = `${axis.toUpperCase()} = ${shown(middle, 3)} m in the reference state`;
       this.role("depth").setAttribute("aria-valuetext", this.role("place").textContent);
       return depth.map((value) => (Math.abs(value - middle) <= half ? 1 : 0));
     }
@@ -680,10 +710,11 @@
       const parts = [body.count, `level h = ${body.h} m`];
       if (body.t.length < 2) parts.push(`t = ${shown(body.t[0])} s`);
       const lines = [`${parts.join(", ")}.`];
-      if (missing) lines.push(`Crosses: ${missing} points whose value is not finite.`);
-      if (beyond) lines.push(`${beyond} numerical values are beyond the scale and have the colour of its end.`);
-      if (outside) lines.push(`${outside} points have left the view.`);
-      if (field.cut) lines.push(`The errors of ${field.cut} points are cut off at ten times the size of the field.`);
+      const counted = (number) => `${number} ${number === 1 ? "point" : "points"}`;
+      if (missing) lines.push(`Crosses: ${counted(missing)} whose value is not finite.`);
+      if (beyond) lines.push(`Beyond the scale, in the colour of its end: ${counted(beyond)} of the numerical field.`);
+      if (outside) lines.push(`Outside the view: ${counted(outside)}.`);
+      if (field.cut) lines.push(`Error cut off at ten times the size of the field: ${counted(field.cut)}.`);
       this.role("note").textContent = lines.join(" ");
       this.role("note").classList.toggle("marked", missing > 0);
     }
@@ -813,7 +844,7 @@
       const text = `${name}${bracketed(units(power, unit))} of point ${point + 1} over time`;
       const picture = svg("svg", { viewBox: `0 0 ${width} ${height}`, class: "field-history", role: "img", "aria-label": text });
       if (!finite.length) return picture;
-      for (const value of ticks(low, high, 4)) {
+      for (const value of ticks(low, high, 6)) {
         picture.append(svg("path", { class: "grid", d: `M${left} ${down(value)}H${width - right}` }));
         picture.append(svg("text", { x: left - 6, y: down(value) + 4, "text-anchor": "end" }, label(value, power)));
       }
@@ -821,7 +852,7 @@
         picture.append(svg("text", { x: across(value), y: height - bottom + 16, "text-anchor": "middle" }, label(value, 0)));
       }
       picture.append(svg("text", { x: width - right, y: height - 4, "text-anchor": "end" }, "t [s]"));
-      picture.append(svg("text", { x: 0, y: 12 }, text));
+      picture.append(svg("text", { x: 0, y: 12 }, body.compared(key) ? `${text}; dashed: exact` : text));
       picture.append(svg("path", { class: "now", d: `M${across(body.t[row])} ${top}V${height - bottom}` }));
       curves.forEach((values, k) => {
         const steps = values.map((value, n) => [across(body.t[n]), down(value)]);
