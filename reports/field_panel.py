@@ -17,8 +17,8 @@ from .notation import cell_size, count, ladder, unit
 from .parts import Option
 from .record import Array, Field, Record, Series
 
-FEWEST = 250
-"""Number of points of a field below which the budget of a page does not go."""
+STAGES, LAST = ((9, 4000), (5, 2000), (3, 1000)), (1, 250)
+"""Output times of a field, and points that remain of a larger one, in the order in which a page gives them up for room."""
 AXES = ("x", "y", "z")
 
 
@@ -101,14 +101,22 @@ def _bodies(entry: Series) -> Iterator[_Body]:
 
 
 def _data(bodies: Mapping[str, Sequence[_Body]], room: int) -> dict[str, str]:
-    """Return the data of every panel, with the same largest number of points for each field, such that all fit into the room."""
-    most = max((len(body.field.reference) for some in bodies.values() for body in some), default=FEWEST)
-    while True:
-        data = {name: _text(some, most) for name, some in bodies.items()}
-        taken = sum(len(text) for text in data.values())
-        if taken <= room or most <= FEWEST:
-            return data
-        most = max(FEWEST, int(most * min(0.9, max(0.2, room / taken))))
+    """Return the data of every panel, with the same bounds on the output times and points of each field, such that all fit into the room."""
+    every = [body.field for some in bodies.values() for body in some]
+    longest = min(max((len(field.time) for field in every), default=1), field_points.OUTPUTS)
+    largest = max((len(field.reference) for field in every), default=1)
+    data: dict[str, str] = {}
+    for outputs, fewest in ((longest, largest), *(stage for stage in STAGES if stage[0] < longest), LAST):
+        most = largest
+        while True:
+            data = {name: _text(some, outputs, most) for name, some in bodies.items()}
+            taken = sum(len(text) for text in data.values())
+            if taken <= room:
+                return data
+            if most <= fewest:
+                break
+            most = max(fewest, int(most * min(0.9, max(0.2, room / taken))))
+    return data
 
 
 def _panel(name: str, bodies: Sequence[_Body], first: int, shown: str, still: tuple[str, str], data: str) -> FieldPanel:
@@ -125,10 +133,10 @@ def _panel(name: str, bodies: Sequence[_Body], first: int, shown: str, still: tu
     )
 
 
-def _text(bodies: Sequence[_Body], most: int) -> str:
+def _text(bodies: Sequence[_Body], outputs: int, most: int) -> str:
     """Return the JSON of a panel. Columns that are equal, such as the exact fields of several series, are stored once."""
     columns: dict[str, int] = {}
-    series = [_figure(body, most, columns) for body in bodies]
+    series = [_figure(body, outputs, most, columns) for body in bodies]
     known = {quantity.key: quantity for body in bodies for quantity in body.quantities}
     return escaped(
         {
@@ -153,10 +161,10 @@ def escaped(body: Mapping[str, Any]) -> str:
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
-def _figure(body: _Body, most: int, columns: dict[str, int]) -> dict[str, Any]:
+def _figure(body: _Body, outputs: int, most: int, columns: dict[str, int]) -> dict[str, Any]:
     """Return the data of one series: shown points, output times, reference positions, view and quantities."""
     field = body.field
-    points, rows = field_points.subsample(field.reference, most), field_points.outputs(field)
+    points, rows = field_points.subsample(field.reference, most), field_points.outputs(field, outputs)
     reference = field.reference[points]
     layer = field_points.spacing(reference, field.h)
     lows, highs = field_points.view(field, layer)

@@ -31,10 +31,10 @@ def positions(field: Field, *, exact: bool = False) -> Array:
     return np.where(np.isfinite(moved), moved, place)
 
 
-def outputs(field: Field) -> NDArray[np.intp]:
-    """Return the rows of the output times that a page shows, the last and, of several, the first among them."""
+def outputs(field: Field, most: int = OUTPUTS) -> NDArray[np.intp]:
+    """Return the rows of at most `most` output times, evenly spaced, the last and, of several, the first among them."""
     count = len(field.time)
-    return np.unique(np.round(np.linspace(count - 1, 0, min(count, OUTPUTS))).astype(int))
+    return np.unique(np.round(np.linspace(count - 1, 0, min(count, most))).astype(int))
 
 
 def subsample(reference: Array, most: int) -> NDArray[np.intp]:
