@@ -25,8 +25,10 @@ from mpmverify.execution.keys import canonical, digest, in_library
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Outcome, RunError, Solution, Solver, Status
 
-SHOWN_OUTPUTS, SHOWN_SAMPLES = 33, 257
-"""Largest numbers of output times and of samples of the histories that are kept of a run that the pages show."""
+SHOWN_OUTPUTS, SHOWN_SAMPLES = {1: 33, 2: 9, 3: 9}, 257
+"""Largest numbers of output times, by dimension, and of samples of the histories that are kept of a run that the pages show."""
+SHOWN_POINTS = 50_000
+"""Number of points at all output times together beyond which fewer outputs of a run in two or three dimensions are kept."""
 
 
 @dataclass(frozen=True)
@@ -239,10 +241,14 @@ def measure(task: Task, solution: Solution) -> Run:
 
 
 def _excerpt(task: Task, solution: Solution) -> Solution:
-    """Return what is kept of a solution: the last output; of a run that the pages show also histories, and the profiles that they draw."""
-    drawn = task.shown and task.problem.problem.dimension == 1
-    samples = _spread(len(solution.histories["time"]), SHOWN_SAMPLES) if task.shown else None
-    return solution.excerpt(_spread(len(solution.time), SHOWN_OUTPUTS if drawn else 1), samples)
+    """Return what is kept of a solution: the last output; of a run that the pages show also histories, and the outputs that they draw."""
+    if not task.shown:
+        return solution.excerpt(_spread(len(solution.time), 1), None)
+    most = SHOWN_OUTPUTS[task.problem.problem.dimension]
+    if task.problem.problem.dimension > 1:
+        most = min(most, max(1, SHOWN_POINTS // max(len(solution.reference), 1)))
+    outputs = _spread(len(solution.time), most)
+    return solution.excerpt(outputs, _spread(len(solution.histories["time"]), SHOWN_SAMPLES))
 
 
 def _snapshots(task: Task, kept: Solution) -> Snapshots:
