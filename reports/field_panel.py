@@ -91,7 +91,7 @@ def field_panels(record: Record, drawn: Mapping[str, Sequence[int]], room: int) 
     }
     stills = {name: field_still(bodies[name][row].field, shown[name]) for name, row in first.items()}
     room -= sum(len(picture) for picture, _ in stills.values())
-    data = _data(bodies, room)
+    data = _data(bodies, shown, room)
     return {name: _panel(name, some, first[name], shown[name], stills[name], data[name]) for name, some in bodies.items()}
 
 
@@ -100,7 +100,7 @@ def _bodies(entry: Series) -> Iterator[_Body]:
         yield _Body(f"{entry.solver}, {ladder(entry.refinement)}", entry.spatial, fields.quantities(entry.spatial))
 
 
-def _data(bodies: Mapping[str, Sequence[_Body]], room: int) -> dict[str, str]:
+def _data(bodies: Mapping[str, Sequence[_Body]], shown: Mapping[str, str], room: int) -> dict[str, str]:
     """Return the data of every panel, with the same bounds on the output times and points of each field, such that all fit into the room."""
     every = [body.field for some in bodies.values() for body in some]
     longest = min(max((len(field.time) for field in every), default=1), field_points.OUTPUTS)
@@ -109,7 +109,7 @@ def _data(bodies: Mapping[str, Sequence[_Body]], room: int) -> dict[str, str]:
     for outputs, fewest in ((longest, largest), *(stage for stage in STAGES if stage[0] < longest), LAST):
         most = largest
         while True:
-            data = {name: _text(some, outputs, most) for name, some in bodies.items()}
+            data = {name: _text(some, shown[name], outputs, most) for name, some in bodies.items()}
             taken = sum(len(text) for text in data.values())
             if taken <= room:
                 return data
@@ -133,10 +133,10 @@ def _panel(name: str, bodies: Sequence[_Body], first: int, shown: str, still: tu
     )
 
 
-def _text(bodies: Sequence[_Body], outputs: int, most: int) -> str:
+def _text(bodies: Sequence[_Body], shown: str, outputs: int, most: int) -> str:
     """Return the JSON of a panel. Columns that are equal, such as the exact fields of several series, are stored once."""
     columns: dict[str, int] = {}
-    series = [_figure(body, outputs, most, columns) for body in bodies]
+    series = [_figure(body, shown, outputs, most, columns) for body in bodies]
     known = {quantity.key: quantity for body in bodies for quantity in body.quantities}
     return escaped(
         {
@@ -161,7 +161,7 @@ def escaped(body: Mapping[str, Any]) -> str:
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
-def _figure(body: _Body, outputs: int, most: int, columns: dict[str, int]) -> dict[str, Any]:
+def _figure(body: _Body, shown: str, outputs: int, most: int, columns: dict[str, int]) -> dict[str, Any]:
     """Return the data of one series: shown points, output times, reference positions, view and quantities."""
     field = body.field
     points, rows = field_points.subsample(field.reference, most), field_points.outputs(field, outputs)
@@ -171,6 +171,7 @@ def _figure(body: _Body, outputs: int, most: int, columns: dict[str, int]) -> di
     return {
         "h": cell_size(field.h),
         "t": [sig(t) for t in field.time[rows]],
+        "start": next((fields.telling(q, rows) for q in body.quantities if q.key == shown), len(rows) - 1),
         "shown": len(points),
         "count": f"{count(len(points))} of {count(len(field.reference))} points shown",
         "spacing": sig(layer),

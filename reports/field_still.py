@@ -105,7 +105,7 @@ def field_still(field: Field, key: str) -> tuple[str, str]:
     """
     every = fields.quantities(field)
     quantity = next(entry for entry in every if entry.key == key)
-    row, part = fields.telling(quantity), cut(field, POINTS)
+    row, part = fields.telling(quantity, np.arange(len(field.time))), cut(field, POINTS)
     scale = fields.scale(quantity, fields.size_of_group(quantity, every))
     views: list[tuple[str, Array, Array, Scale]] = [
         ("numerical", field_points.positions(field)[row], quantity.numerical[row], scale),

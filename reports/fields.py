@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .record import Array, Field
 
@@ -187,10 +188,10 @@ def scale(quantity: Quantity, group_size: float) -> Scale:
     return Scale(low, high, False)
 
 
-def telling(quantity: Quantity) -> int:
-    """Return the row of the last output, or of the largest exact norm where the exact field has nearly vanished at the end."""
+def telling(quantity: Quantity, rows: NDArray[np.intp]) -> int:
+    """Return the place in `rows` of the last output, or of the largest exact value where the exact field has nearly vanished then."""
     known = quantity.numerical if quantity.exact is None else quantity.exact
-    peaks = [_peak(row) for row in known]
+    peaks = [_peak(known[row]) for row in rows]
     return len(peaks) - 1 if peaks[-1] > 0.05 * max(peaks) else int(np.argmax(peaks))
 
 

@@ -37,8 +37,10 @@ from .theory import theory
 from .thumbnails import thumbnail
 from .verdict_groups import verdict_groups
 
-PAGE, LEAST, ROW = 5_700_000, 700_000, 2_400
-"""Characters that a page may take, those that its fields always may, and those that a verdict takes with its run, about."""
+PAGE, ROW = 5_850_000, 2_400
+"""Characters that a page may take, and those that a verdict takes with its run, about."""
+LEAST, MOST = 700_000, 3_500_000
+"""Characters that the fields of a page may take whatever else is on it, and where nothing else is, about."""
 DOUBTFUL = 8
 """Largest number of series that did not pass and are drawn at first in addition to the selection."""
 
@@ -59,7 +61,7 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
         sections.append(replace(section, unfolded=case.name in unfolded))
     room = PAGE - sum(len(section.figures) for section in sections) - ROW * len(record.judged)
     drawn = {section.name: [curve.index for curve in section.curves if curve.shown] for section in sections}
-    panels = field_panels(record, drawn, max(LEAST, room))
+    panels = field_panels(record, drawn, min(MOST, max(LEAST, room)))
     formal, pages = {entry.solver: entry.formal for entry in record.series}, pages_of(record)
     cases = [case.name for case in record.cases]
     return StudyPage(

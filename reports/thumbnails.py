@@ -71,7 +71,7 @@ def field_thumbnail(record: Record) -> str:
 def _thumbnail(field: Field, shown: str, name: str) -> str:
     every, key = fields.quantities(field), main_quantity(field, shown)
     quantity = next(entry for entry in every if entry.key == key)
-    part, row = cut(field, FIELD_POINTS), fields.telling(quantity)
+    part, row = cut(field, FIELD_POINTS), fields.telling(quantity, np.arange(len(field.time)))
     layer = field_points.spacing(field.reference[part.points][:, part.axes], field.h)
     low, high = (corner[list(part.axes)] for corner in field_points.view(field, layer))
     factor = float(min(WIDTH / (high[0] - low[0]), FIELD_HEIGHT / (high[1] - low[1])))

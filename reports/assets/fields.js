@@ -254,6 +254,15 @@
       return this.column(key, "numerical") ? at("numerical") : at("exact") + at("error");
     }
 
+    /** Writes one value with the digits that its encoding has. */
+    written(key, plot, row, point) {
+      const value = this.value(key, plot, row, point);
+      const parts = plot === "numerical" && !this.column(key, "numerical") ? ["exact", "error"] : [plot];
+      const step = Math.max(...parts.map((part) => this.column(key, part)?.scale ?? 0));
+      if (Math.abs(value) < step) return "0";
+      return shown(value, step ? Math.min(4, 1 + Math.floor(Math.log10(Math.abs(value) / step))) : 4);
+    }
+
     /** Returns the values of all points at one time, kept until another time is asked for. */
     values(key, plot, row) {
       const name = `${key} ${plot}`;
@@ -405,7 +414,7 @@
       const slider = this.role("time");
       this.role("times").hidden = body.t.length < 2;
       slider.max = String(body.t.length - 1);
-      slider.value = slider.max;
+      slider.value = String(body.start);
       this.marked = null;
       this.chooseView();
     }
@@ -800,7 +809,7 @@
       if (marked === null) return;
       const place = body.reference.map((column, axis) => `${"XYZ"[axis]} = ${shown(column.at(0, marked), 3)} m`).join(", ");
       const { name, unit } = this.data.quantities[key];
-      const said = (plot) => shown(body.value(key, plot, row, marked));
+      const said = (plot) => body.written(key, plot, row, marked);
       const parts = [`Point ${marked + 1} (${place}) at t = ${shown(body.t[row])} s: ${name} ${said("numerical")} ${unit}`];
       if (body.compared(key)) parts.push(`exact ${said("exact")} ${unit}`, `difference ${said("error")} ${unit}`);
       this.role("words").textContent = `${parts.map((part) => part.trim()).join("; ")}.`;
@@ -822,7 +831,7 @@
       cell("th", name, false);
       for (const plot of ["numerical", "exact", "error"]) {
         const known = plot === "numerical" || this.body.compared(key);
-        cell("td", known ? shown(this.body.value(key, plot, row, point)) : "–", true);
+        cell("td", known ? this.body.written(key, plot, row, point) : "–", true);
       }
       cell("td", unit, false);
       line.classList.toggle("current", current);
@@ -832,7 +841,7 @@
     history(key, point) {
       const { body, row } = this;
       const { name, unit } = this.data.quantities[key];
-      const [width, height, left, right, top, bottom] = [420, 190, 58, 12, 26, 34];
+      const [width, height, left, right, top, bottom] = [420, 180, 58, 12, 8, 34];
       const curves = ["exact", "numerical"].map((plot) => body.t.map((_, k) => body.value(key, plot, k, point)));
       const finite = curves.flat().filter(Number.isFinite);
       let [low, high] = [Math.min(...finite), Math.max(...finite)];
@@ -843,7 +852,11 @@
       const power = common(low, high);
       const text = `${name}${bracketed(units(power, unit))} of point ${point + 1} over time`;
       const picture = svg("svg", { viewBox: `0 0 ${width} ${height}`, class: "field-history", role: "img", "aria-label": text });
-      if (!finite.length) return picture;
+      const caption = document.createElement("figcaption");
+      caption.textContent = body.compared(key) ? `${text}; dashed: exact` : text;
+      const box = document.createElement("figure");
+      box.append(caption, picture);
+      if (!finite.length) return box;
       for (const value of ticks(low, high, 6)) {
         picture.append(svg("path", { class: "grid", d: `M${left} ${down(value)}H${width - right}` }));
         picture.append(svg("text", { x: left - 6, y: down(value) + 4, "text-anchor": "end" }, label(value, power)));
@@ -852,7 +865,6 @@
         picture.append(svg("text", { x: across(value), y: height - bottom + 16, "text-anchor": "middle" }, label(value, 0)));
       }
       picture.append(svg("text", { x: width - right, y: height - 4, "text-anchor": "end" }, "t [s]"));
-      picture.append(svg("text", { x: 0, y: 12 }, body.compared(key) ? `${text}; dashed: exact` : text));
       picture.append(svg("path", { class: "now", d: `M${across(body.t[row])} ${top}V${height - bottom}` }));
       curves.forEach((values, k) => {
         const steps = values.map((value, n) => [across(body.t[n]), down(value)]);
@@ -862,7 +874,7 @@
         });
         picture.append(svg("path", { class: ["exact", "numerical"][k], d: line }));
       });
-      return picture;
+      return box;
     }
 
     togglePlay() {
