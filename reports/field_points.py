@@ -8,6 +8,8 @@ from .record import Array, Field
 
 OUTPUTS = 16
 """Largest number of output times that a page shows of a field."""
+LATTICE = 0.8
+"""Share of the points that must be alone in cells of one spacing for them to count as a lattice."""
 BISECTIONS = 14
 """Steps in which the size of the cells is found from which points are drawn."""
 
@@ -38,22 +40,36 @@ def outputs(field: Field, most: int = OUTPUTS) -> NDArray[np.intp]:
 
 
 def subsample(reference: Array, most: int) -> NDArray[np.intp]:
-    """Return the indices of at most `most` points (P, dim), spread evenly: the first of each cell of a grid as fine as possible."""
+    """Return the indices of at most `most` points (P, dim), spread evenly.
+
+    Of a lattice, which may have some other points at its edge, these are the points of a coarser one; else the first point in each
+    cell of a grid as fine as possible.
+    """
     if len(reference) <= most:
         return np.arange(len(reference))
-    low, extent = reference.min(axis=0), np.ptp(reference, axis=0)
-    coarse, fine = float(extent.max()) or 1.0, 0.0
+    apart = spacing(reference, 1.0)
+    if len(_first_in_cells(reference, apart, apart / 2)) >= LATTICE * len(reference):
+        for every in range(2, len(reference) + 1):
+            first = _first_in_cells(reference, every * apart, apart / 2)
+            if len(first) <= most:
+                return np.sort(first)
+    coarse, fine = float(np.ptp(reference, axis=0).max()) or 1.0, 0.0
     best = np.zeros(1, dtype=np.intp)
     for _ in range(BISECTIONS):
         edge = (coarse + fine) / 2
-        cells = np.floor((reference - low) / edge).astype(np.int64)
-        _, first = np.unique(np.ravel_multi_index(tuple(cells.T), tuple(cells.max(axis=0) + 1)), return_index=True)
+        first = _first_in_cells(reference, edge, 0.0)
         if len(first) > most:
             fine = edge
         else:
             coarse = edge
             best = first if len(first) > len(best) else best
     return np.sort(best)
+
+
+def _first_in_cells(reference: Array, edge: float, offset: float) -> NDArray[np.intp]:
+    """Return the first point in each cell of a grid that begins `offset` [m] before the points (P, dim)."""
+    cells = np.floor((reference - reference.min(axis=0) + offset) / edge).astype(np.int64)
+    return np.unique(np.ravel_multi_index(tuple(cells.T), tuple(cells.max(axis=0) + 1)), return_index=True)[1]
 
 
 def spacing(reference: Array, h: float) -> float:

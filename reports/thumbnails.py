@@ -10,7 +10,7 @@ from .field_still import Frame, cut, dots, main_quantity
 from .record import Array, Field, Profile, Record
 
 WIDTH, HEIGHT, MARGIN, POINTS = 150.0, 48.0, 3.0, 100
-FIELD_HEIGHT, FIELD_POINTS = 100.0, 400
+FIELD_HEIGHT, FIELD_POINTS = 100.0, 600
 
 
 @dataclass(frozen=True)

@@ -255,6 +255,13 @@ def test_a_subsample_of_separate_bodies_has_points_of_each() -> None:
     assert len(field_points.subsample(body, 400)) == 400
 
 
+def test_a_subsample_of_a_lattice_is_a_coarser_lattice() -> None:
+    reference = np.stack(np.meshgrid(*[np.arange(24) / 24] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
+    chosen = reference[field_points.subsample(reference, 150)]
+    assert len(chosen) == 144
+    assert np.unique(np.diff(np.unique(chosen[:, 0])).round(9)).tolist() == [round(2 / 24, 9)]
+
+
 def test_a_page_says_how_many_points_it_shows_and_keeps_to_its_room(stored: dict[int, Results]) -> None:
     found = record(stored[2])
     (whole,) = field_panels(found, {found.cases[0].name: [0]}, ROOM).values()
@@ -264,8 +271,8 @@ def test_a_page_says_how_many_points_it_shows_and_keeps_to_its_room(stored: dict
     (less,) = field_panels(larger, {found.cases[0].name: [0]}, 200_000).values()
     assert json.loads(part.data)["series"][0]["shown"] == 144, "few points are never left out"
     body = json.loads(less.data)["series"][0]
-    assert (len(body["t"]), body["t"][-1]) == (5, 0.5), "output times are given up first, the last one never"
-    assert re.fullmatch(r"4\u2009\d\d\d of 4\u2009900 points shown", body["count"])
+    assert (len(body["t"]), body["t"][-1]) == (9, 0.5), "output times are given up first, the last one never"
+    assert body["count"] == "1\u2009225 of 4\u2009900 points shown"
     assert len(less.data) + len(less.still) <= 200_000
 
 
