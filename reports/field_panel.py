@@ -80,10 +80,10 @@ def field_panels(record: Record, drawn: Mapping[str, Sequence[int]], room: int) 
     first: dict[str, int] = {}
     for case in record.cases:
         series = [entry for entry in record.series if entry.case == case.name]
-        kept = [k for k, entry in enumerate(series) if entry.spatial and entry.spatial.numerical]
+        kept = [(k, _body(entry, field)) for k, entry in enumerate(series) if (field := entry.spatial) and field.numerical]
         if kept:
-            bodies[case.name] = [body for k in kept for body in _bodies(series[k])]
-            first[case.name] = next((row for row, k in enumerate(kept) if k in drawn[case.name]), 0)
+            bodies[case.name] = [body for _, body in kept]
+            first[case.name] = next((row for row, (k, _) in enumerate(kept) if k in drawn[case.name]), 0)
     shown = {
         case.name: main_quantity(bodies[case.name][first[case.name]].field, case.shown)
         for case in record.cases
@@ -95,9 +95,8 @@ def field_panels(record: Record, drawn: Mapping[str, Sequence[int]], room: int) 
     return {name: _panel(name, some, first[name], shown[name], stills[name], data[name]) for name, some in bodies.items()}
 
 
-def _bodies(entry: Series) -> Iterator[_Body]:
-    if entry.spatial:
-        yield _Body(f"{entry.solver}, {ladder(entry.refinement)}", entry.spatial, fields.quantities(entry.spatial))
+def _body(entry: Series, field: Field) -> _Body:
+    return _Body(f"{entry.solver}, {ladder(entry.refinement)}", field, fields.quantities(field))
 
 
 def _data(bodies: Mapping[str, Sequence[_Body]], shown: Mapping[str, str], room: int) -> dict[str, str]:

@@ -440,6 +440,12 @@ addEventListener("load", async () => {
     await set("turn", "60");
     outcome.turned = picture();
   }
+  role("time").value = role("time").max;
+  role("play").click();
+  outcome.playing = [role("play").getAttribute("aria-pressed"), role("time").value];
+  while (role("time").value !== role("time").max) await frame();
+  await pause();
+  outcome.played = role("play").getAttribute("aria-pressed");
   outcome.faults = faults;
   outcome.graphics = graphics;
   outcome.still = getComputedStyle(panel.querySelector(".field-still")).display;
@@ -505,6 +511,7 @@ def test_the_panel_works_in_a_browser(stored: dict[int, Results], tmp_path: Path
     assert outcome["clicked"].startswith("Point ")
     assert "exact" in outcome["clicked"]
     assert outcome["still"] == "none"
+    assert (outcome["playing"], outcome["played"]) == (["true", "0"], "false"), "it plays from the start and stops at the end"
     if dimension == 3:
         assert outcome["all"]["share"] > 0.1
         assert outcome["all"]["sum"] != outcome["turned"]["sum"]
