@@ -16,12 +16,12 @@ from .styles import COLOURS, DASHES, Style
 
 Figure = dict[str, Any]
 
-POINTS, OUTPUTS = 160, 33
+POINTS, OUTPUTS = 160, 21
 """Largest numbers of points and output times that a page stores of a profile."""
-BUDGET = 1_500_000
+BUDGET = 1_000_000
 """Number of profile values of a page beyond which fewer output times are stored.
 
-Field and error take two bytes for each value, in base64: the profiles of a page are at most 4 MB of text.
+Field and error take two bytes for each value, in base64: the profiles of a page are at most 2.7 MB of text.
 """
 INK, MUTED, GRID = "var(--ink)", "var(--muted)", "var(--grid)"
 SEQUENTIAL = [[0, "#0b1f4b"], [0.25, "#23558c"], [0.5, "#3f8f9e"], [0.75, "#8cc59a"], [1, "#f4efb6"]]

@@ -39,7 +39,7 @@ from .verdict_groups import verdict_groups
 
 PAGE, ROW = 5_850_000, 2_400
 """Characters that a page may take, and those that a verdict takes with its run, about."""
-LEAST, MOST = 700_000, 3_500_000
+LEAST, MOST = 700_000, 2_000_000
 """Characters that the fields of a page may take whatever else is on it, and where nothing else is, about."""
 DOUBTFUL = 8
 """Largest number of series that did not pass and are drawn at first in addition to the selection."""
