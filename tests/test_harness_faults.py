@@ -133,6 +133,14 @@ def the_finest_levels_tell_where_an_order_goes(c: ModuleType) -> None:
     assert c.verdict(fine, scattered, band=BAND)[0] == "INCONCLUSIVE"
 
 
+def levels_on_both_sides_of_a_change_of_sign_tell_the_order(c: ModuleType) -> None:
+    x = 2.0 ** np.arange(9, -1, -1)
+    for more, at in ((1.1, 12.0), (2.6, 11.0), (2.6, 8 * 0.98 ** (-1 / 2.6))):  # the last one is next to the change at x = 8
+        law = x**1.5 * np.abs(1 - (x / at) ** more)
+        error = 1e-4 * law * np.exp(0.01 * np.random.default_rng(1).standard_normal(len(x)))
+        assert c.verdict(x, error, band=(1.34, 1.66))[0] == "PASS"
+
+
 def an_estimate_agrees_with_least_squares(c: ModuleType) -> None:
     h = 0.5 ** np.arange(8.0)
     error = 0.1 * h**2 * [1, 1.04, 0.97, 0.96, 1.05, 1.02, 0.95, 1.01]
@@ -451,6 +459,7 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         the_finest_levels_of_a_long_ladder_count,
         an_estimate_agrees_with_least_squares,
         the_finest_levels_tell_where_an_order_goes,
+        levels_on_both_sides_of_a_change_of_sign_tell_the_order,
         the_floor_and_the_order_above_it_are_found,
         errors_below_ten_times_the_uncertainty_of_a_reference_are_not_judged,
         grid_convergence_is_exact_on_power_laws,
@@ -536,8 +545,10 @@ FAULTS = {
     "limit not looked at": Fault(ESTIMATE, "np.minimum(probability[1], probability[2])", "probability[1]"),
     "no further term": Fault(ESTIMATE, PRIOR, PRIOR.replace("0.3", "1e-300")),
     "no alternating part": Fault(ESTIMATE, PRIOR, PRIOR.replace("0.1", "1e-300")),
+    "sign change not followed": Fault(ESTIMATE, "np.all(term[:, level < LEAST_RUN]", "np.all(term"),
+    "level next to a change of sign is used": Fault(ESTIMATE, "NEAR_ZERO = 0.1", "NEAR_ZERO = 1e-9"),
     "as many degrees of freedom as levels": Fault(ESTIMATE, "freedom = SCATTER_WEIGHT + n - 2", "freedom = SCATTER_WEIGHT + n"),
-    "scatter of the mean": Fault(ESTIMATE, "freedom[of_run] / sxx[of_run])", "freedom[of_run] / sxx[of_run] / n[of_run])"),
+    "scatter of the mean": Fault(ESTIMATE, "np.sqrt(squares / freedom / sxx)", "np.sqrt(squares / freedom / sxx / n)"),
     "plunge not detected": Fault(SERIES, "if self.error[k + 1] <= self.limit and", "if False and"),
     "three levels are too few": Fault(SERIES, "if sizes < 3:", "if sizes < 4:"),
     "estimate for interval": Fault(JUDGING, IN_BAND, "if not (below.step <= 0.5 and above.step <= 0.5):"),

@@ -245,7 +245,7 @@ def estimate(h: Array, error: Array) -> Estimate:
     limit = sxz / sxx
     squares = np.maximum(szz - limit * sxz, 0.0) + SCATTER_WEIGHT * SCATTER**2
     freedom = SCATTER_WEIGHT + n - 2
-    log_gamma = np.array([math.inf, *(math.lgamma(number / 2) for number in range(1, SCATTER_WEIGHT + len(x) - 1))])
+    log_gamma = np.array([math.inf, *(math.lgamma(number / 2) for number in range(1, int(freedom.max()) + 1))])
     evidence = (
         np.log(probability)[:, None]
         - (len(x) - n) * math.log(ROUGH_RANGE)
