@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -53,11 +54,25 @@ class FieldPanel:
 
 @dataclass(frozen=True)
 class _Body:
-    """A series with a field, and the quantities of the field."""
+    """A series with a field, and the quantities of the field, each with the size of its group and its scale.
+
+    Most solvers of a case have the same points, whose bytes tell so.
+    """
 
     name: str
     field: Field
+    points: bytes
     quantities: tuple[Quantity, ...]
+    sizes: Mapping[str, float]
+    scales: Mapping[str, fields.Scale]
+
+    def values(self, outputs: int, most: int) -> int:
+        """Return the number of values at no more than so many outputs and points."""
+        return len(self.quantities) * min(len(self.field.time), outputs) * len(self.shown(most))
+
+    def shown(self, most: int) -> NDArray[np.intp]:
+        """Return the points that are shown of a field if no more than so many may be."""
+        return _subsample(self.points, self.field.dimension, most)
 
 
 def field_panels(record: Record, drawn: Mapping[str, Sequence[int]], room: int) -> dict[str, FieldPanel]:
@@ -96,25 +111,50 @@ def field_panels(record: Record, drawn: Mapping[str, Sequence[int]], room: int) 
 
 
 def _body(entry: Series, field: Field) -> _Body:
-    return _Body(f"{entry.solver}, {ladder(entry.refinement)}", field, fields.quantities(field))
+    quantities = fields.quantities(field)
+    groups = {quantity.group: fields.size_of_group(quantity, quantities) for quantity in quantities}
+    sizes = {quantity.key: groups[quantity.group] for quantity in quantities}
+    scales = {quantity.key: fields.scale(quantity, sizes[quantity.key]) for quantity in quantities}
+    name = f"{entry.solver}, {ladder(entry.refinement)}"
+    return _Body(name, field, field.reference.tobytes(), quantities, sizes, scales)
+
+
+@lru_cache(maxsize=512)
+def _subsample(points: bytes, dimension: int, most: int) -> NDArray[np.intp]:
+    return field_points.subsample(np.frombuffer(points).reshape(-1, dimension), most)
 
 
 def _data(bodies: Mapping[str, Sequence[_Body]], shown: Mapping[str, str], room: int) -> dict[str, str]:
     """Return the data of every panel, with the same bounds on the output times and points of each field, such that all fit into the room."""
-    every = [body.field for some in bodies.values() for body in some]
-    longest = min(max((len(field.time) for field in every), default=1), field_points.OUTPUTS)
-    largest = max((len(field.reference) for field in every), default=1)
-    data: dict[str, str] = {}
-    for outputs, fewest in ((longest, largest), *(stage for stage in STAGES if stage[0] < longest), LAST):
+    every = [body for some in bodies.values() for body in some]
+    longest = min(max((len(body.field.time) for body in every), default=1), field_points.OUTPUTS)
+    largest = max((len(body.field.reference) for body in every), default=1)
+
+    def encoded(outputs: int, most: int) -> tuple[dict[str, str], int]:
+        data = {name: _text(some, shown[name], outputs, most) for name, some in bodies.items()}
+        return data, sum(len(text) for text in data.values())
+
+    data, whole = encoded(longest, largest)
+    if whole <= room:
+        return data
+    each = whole / sum(body.values(longest, largest) for body in every)
+
+    def predicted(outputs: int, most: int) -> float:
+        return each * sum(body.values(outputs, most) for body in every)
+
+    for outputs, fewest in (*(stage for stage in STAGES if stage[0] < longest), LAST):
         most = largest
-        while True:
-            data = {name: _text(some, shown[name], outputs, most) for name, some in bodies.items()}
-            taken = sum(len(text) for text in data.values())
-            if taken <= room:
-                return data
-            if most <= fewest:
-                break
-            most = max(fewest, int(most * min(0.9, max(0.2, room / taken))))
+        while most > fewest and predicted(outputs, most) > room:
+            most = max(fewest, int(0.7 * most))
+        if predicted(outputs, most) > room and (outputs, fewest) != LAST:
+            continue
+        # What several fields share is stored once, so that a part may take more than its share of the values.
+        data, taken = encoded(outputs, most)
+        while taken > room and most > fewest:
+            most = max(fewest, int(0.9 * most))
+            data, taken = encoded(outputs, most)
+        if taken <= room:
+            break
     return data
 
 
@@ -163,7 +203,7 @@ def escaped(body: Mapping[str, Any]) -> str:
 def _figure(body: _Body, shown: str, outputs: int, most: int, columns: dict[str, int]) -> dict[str, Any]:
     """Return the data of one series: shown points, output times, reference positions, view and quantities."""
     field = body.field
-    points, rows = field_points.subsample(field.reference, most), field_points.outputs(field, outputs)
+    points, rows = body.shown(most), field_points.outputs(field, outputs)
     reference = field.reference[points]
     layer = field_points.spacing(reference, field.h)
     lows, highs = field_points.view(field, layer)
@@ -176,20 +216,19 @@ def _figure(body: _Body, shown: str, outputs: int, most: int, columns: dict[str,
         "spacing": sig(layer),
         "view": [[sig(low, 7), sig(high, 7)] for low, high in zip(lows, highs, strict=True)],
         "reference": [_number(column, columns) for column in reference.T],
-        "fields": {q.key: _values(q, body.quantities, rows, points, columns) for q in body.quantities},
+        "fields": {q.key: _values(q, body, rows, points, columns) for q in body.quantities},
     }
 
 
 def _values(
     quantity: Quantity,
-    every: Sequence[Quantity],
+    body: _Body,
     rows: NDArray[np.intp],
     points: NDArray[np.intp],
     columns: dict[str, int],
 ) -> dict[str, Any]:
     """Return a quantity: exact field and error, or the numerical field alone, with the scale of its colours."""
-    size = fields.size_of_group(quantity, every)
-    scale = fields.scale(quantity, size)
+    size, scale = body.sizes[quantity.key], body.scales[quantity.key]
     part = np.ix_(rows, points)
     shown: dict[str, Any] = {"low": sig(scale.low, 7), "high": sig(scale.high, 7), "signed": scale.signed}
     if quantity.exact is None or quantity.error is None:
