@@ -10,8 +10,8 @@ Point = tuple[float, float]
 
 WIDTH, HEIGHT, MARGIN = 320.0, 210.0, 38.0
 """Box of the drawing and the room around the domain for the symbols of the faces."""
-THICKNESS = 26.0
-"""Height at which a bar is drawn."""
+THICKNESS, BAR = 26.0, 104.0
+"""Height at which a bar is drawn, and of its drawing."""
 DEPTH: Point = (0.42, -0.32)
 """Where the third axis points, as a share of its length."""
 MEANING = {
@@ -65,7 +65,8 @@ def drawing(setup: Mapping[str, str]) -> tuple[str, str]:
         meanings["the faces along z are in the table"] = None
     caption = "; ".join(meanings)
     label = f"Domain {setup['domain']}; " + ", ".join(f"{face} {kind}" for face, kind in faces.items())
-    svg = f'<svg class="drawing" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img" aria-label="{escape(label)}">{"".join(parts)}</svg>'
+    box = f"0 {HEIGHT / 2 - BAR / 2:g} {WIDTH:g} {BAR:g}" if len(ranges) == 1 else f"0 0 {WIDTH:g} {HEIGHT:g}"
+    svg = f'<svg class="drawing" viewBox="{box}" role="img" aria-label="{escape(label)}">{"".join(parts)}</svg>'
     return svg, f"{caption[:1].upper()}{caption[1:]}." if caption else ""
 
 

@@ -88,7 +88,11 @@ def _page(text: Prose, links: Sequence[Link], k: int, generator: str) -> Handboo
         title=text.title,
         generator=generator,
         root="../",
-        navigation=(Link("Overview", "../index.html"), Link("Solvers", "../solvers.html")),
+        navigation=(
+            Link("Overview", "../index.html"),
+            Link("Solvers", "../solvers.html"),
+            Link("Problems", "../problems.html"),
+        ),
         kicker=index.text if k else "",
         chapters=tuple(replace(link, current=link == links[k]) for link in chapters) if k else (),
         sections=_sections(text.headings),

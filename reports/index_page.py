@@ -26,6 +26,7 @@ def index_page(records: Sequence[Record], generator: str, *, trust_page: bool = 
         navigation=(
             Link("Overview", "index.html", True),
             Link("Solvers", "solvers.html"),
+            Link("Problems", "problems.html"),
             *((Link("How far to trust this", "trust.html"),) if trust_page else ()),
         ),
         mark=mark(findings),

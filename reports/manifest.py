@@ -18,6 +18,8 @@ HANDBOOK = Path(__file__).parent / "handbook"
 """Folder of the Markdown and the pictures of the handbook."""
 HANDBOOK_INDEX = "README.md"
 """File of its index, which tells the order of its pages."""
+PROBLEMS = "problems"
+"""Name of the catalogue of the problems."""
 SOLVERS, SOLVER = "solvers", "solver-"
 """Name of the page that lists the solvers, and the beginning of the names of their own pages."""
 LIBRARIES = ("jinja2", "latex2mathml", "markdown-it-py", "plotly", "pygments")
@@ -79,7 +81,7 @@ class Manifest:
         """
         studies = {path.stem: _source(path) for path in results.studies()}
         selftest = _source(results.selftest) if results.selftest.exists() else None
-        taken = {"index": "the index page", TRUST: "the trust page", SOLVERS: "the list of solvers"}
+        taken = {"index": "the index page", TRUST: "the trust page", SOLVERS: "the list of solvers", PROBLEMS: "the catalogue"}
         for study in studies:
             if name := taken.get(study, "the page of a solver" if study.startswith(SOLVER) else ""):
                 raise ResultsError(f"'{results.study(study)}' would overwrite {name} of the report: rename the study")
@@ -106,7 +108,7 @@ class Manifest:
     def pages(self) -> dict[str, Source | str]:
         """Return the input of every page that is made of one file, by page name; a page of the handbook also shows what its index says.
 
-        The index and the pages of the solvers are made of all studies, and written whenever one of them has changed.
+        The index, the catalogue and the pages of the solvers are made of all studies, and written whenever one of them has changed.
         """
         index = self.handbook.get(HANDBOOK_INDEX, "")
         texts = {handbook_name(name): index + digest for name, digest in self.handbook.items() if name.endswith(".md")}
@@ -116,7 +118,7 @@ class Manifest:
         """Return the pictures of the handbook by their path in the report."""
         return {results.report / "handbook" / name: HANDBOOK / name for name in self.handbook if not name.endswith(".md")}
 
-    def write(self, results: Results, known: "Manifest", solvers: Collection[str]) -> None:
+    def write(self, results: Results, known: "Manifest", whole: Collection[str]) -> None:
         """Write the manifest, and remove pages and pictures whose study, self-test, solver or text no longer exists.
 
         Parameters
@@ -124,10 +126,10 @@ class Manifest:
         results : Results
         known : Manifest
             Manifest of the report before.
-        solvers : collection of str
-            Names of the pages of the solvers.
+        whole : collection of str
+            Names of the pages of the problems and solvers.
         """
-        required = {*self.pages(), "index", SOLVERS, *solvers}
+        required = {*self.pages(), "index", *whole}
         before = {name.removesuffix(".html") for name in known.written if name.startswith(SOLVER) and name.endswith(".html")}
         for name in (known.pages().keys() | before) - required:
             page(results, name).unlink(missing_ok=True)

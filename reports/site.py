@@ -15,10 +15,12 @@ from mpmverify.atomic import write_atomic
 from mpmverify.dataset.files import Results, check_ours, set_aside
 from mpmverify.dataset.selftest import read_selftest
 from mpmverify.errors import ResultsError
+from mpmverify.judgement.kill_table import SelfTest
 
+from .catalogue_page import CataloguePage, catalogue_page
 from .handbook_page import HandbookPage, handbook_pages
 from .index_page import index_page
-from .manifest import HANDBOOK, SOLVERS, TRUST, Manifest, page
+from .manifest import HANDBOOK, PROBLEMS, SOLVERS, TRUST, Manifest, page
 from .pages import IndexPage, StudyPage, TrustPage
 from .parts import Link
 from .reader import read
@@ -32,13 +34,14 @@ SIGNATURE = b'<meta name="generator" content="mpmverify '
 BEGINNING = b'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n' + SIGNATURE
 END = b"</html>\n"
 """How every page begins, and how it ends unless it is cut off."""
-Page = IndexPage | StudyPage | TrustPage | SolverPage | SolversPage | HandbookPage
+Page = IndexPage | StudyPage | TrustPage | SolverPage | SolversPage | CataloguePage | HandbookPage
 TEMPLATES = {
     IndexPage: "index.html",
     StudyPage: "study.html",
     TrustPage: "trust.html",
     SolverPage: "solver.html",
     SolversPage: "solvers.html",
+    CataloguePage: "problems.html",
     HandbookPage: "handbook.html",
 }
 PLOTLY = "plotly.min.js"
@@ -47,12 +50,12 @@ ORIGIN = {"Written": "date_created", "Commit": "commit", "Tier": "tier", "Versio
 
 
 def write(results: Results, manifest: Manifest, known: Manifest) -> tuple[str, ...]:
-    """Write the pages that are stale beside the `known` report, the index page, the pages of the solvers and the assets.
+    """Write the pages that are stale beside the `known` report, the pages that are made of all studies, and the assets.
 
     Returns
     -------
     tuple of str
-        Names of the pages of the solvers: only the studies tell them.
+        Names of the pages of the problems and solvers: only the studies tell them.
 
     Raises
     ------
@@ -65,32 +68,29 @@ def write(results: Results, manifest: Manifest, known: Manifest) -> tuple[str, .
     runs = {path.stem for path in results.runs.glob("*.nc")}
     records = [read(results.study(name)) for name in sorted(manifest.studies)]
     _write_assets(results, manifest)
-    solvers = solver_pages(records, runs, GENERATOR)
-    for name in solvers:
+    test = read_selftest(results.selftest) if manifest.selftest else None
+    whole: dict[str, Page] = {PROBLEMS: catalogue_page(records, test.faults if test else (), GENERATOR)}
+    whole |= solver_pages(records, runs, GENERATOR)
+    for name in whole:
         _make_way(page(results, name))
     for record in records:
         if record.name in stale:
             _write(page(results, record.name), render(study_page(record, runs, GENERATOR)))
-    if TRUST in stale:
-        _write(page(results, TRUST), render(_trust(results)))
+    if test and TRUST in stale:
+        _write(page(results, TRUST), render(_trust(results, test)))
     _write_handbook(results, manifest, stale)
-    for name, content in solvers.items():
+    for name, content in whole.items():
         _write(page(results, name), render(content))
     _write(page(results, "index"), render(index_page(records, GENERATOR, trust_page=manifest.selftest is not None)))
-    return tuple(solvers)
+    return tuple(whole)
 
 
-def _trust(results: Results) -> TrustPage:
+def _trust(results: Results, test: SelfTest) -> TrustPage:
     attributes = check_ours(results.selftest, "selftest")
     facts = [(name, str(attributes[key])) for name, key in ORIGIN.items()]
     file = results.selftest.relative_to(results.path).with_suffix("").as_posix()
-    return trust_page(
-        read_selftest(results.selftest),
-        file,
-        facts,
-        (Link("Overview", "index.html"), Link("Solvers", f"{SOLVERS}.html")),
-        GENERATOR,
-    )
+    links = (Link("Overview", "index.html"), Link("Solvers", f"{SOLVERS}.html"), Link("Problems", f"{PROBLEMS}.html"))
+    return trust_page(test, file, facts, links, GENERATOR)
 
 
 def _write_handbook(results: Results, manifest: Manifest, stale: Collection[str]) -> None:

@@ -68,7 +68,7 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
         title=str(record.attributes["title"]),
         generator=generator,
         root="",
-        navigation=(Link("Overview", "index.html"), Link("Solvers", "solvers.html")),
+        navigation=(Link("Overview", "index.html"), Link("Solvers", "solvers.html"), Link("Problems", "problems.html")),
         restricted_to=record.restricted_to,
         summary=str(record.attributes["summary"]),
         gates=gate_marks(record.findings),

@@ -36,6 +36,7 @@ from mpmverify.judgement.judging import judge
 from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, SelfTest, UnmodifiedRun
 from mpmverify.problem import Discretisation, Periodic, Problem, Transport
 from mpmverify.reports import cards, charts, render
+from mpmverify.reports.catalogue_page import CataloguePage
 from mpmverify.reports.equations import mathml
 from mpmverify.reports.handbook_page import HandbookPage
 from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs, typeset_numbers
@@ -251,7 +252,7 @@ def test_pages_are_well_formed_with_unique_identifiers(stored: tuple[Results, li
 def test_every_link_has_a_target_and_every_resource_is_local(stored: tuple[Results, list]) -> None:
     results, _ = stored
     known = pages(results)
-    solvers = {"solvers.html", "solver-good.html", "solver-bad.html", "solver-crashed.html"}
+    solvers = {"problems.html", "solvers.html", "solver-good.html", "solver-bad.html", "solver-crashed.html"}
     assert {name for name in known if "/" not in name} == {"index.html", "sample.html", "second.html", "trust.html"} | solvers
     for name, page in known.items():
         assert not broken_links(results, known, name)
@@ -309,6 +310,27 @@ def test_the_overview_has_a_card_for_each_study_and_says_what_failed_first(store
     assert "First ERROR: sample, hill & dale" in words
     assert "2 different" not in words, "both studies are of one commit, tier and platform"
     assert f"{len(table)} criteria" in words
+
+
+def test_the_catalogue_names_the_solvers_of_a_problem_and_the_faults_that_it_caught_first(fresh: Results) -> None:
+    store(fresh, study("second", ("good", "bad")))
+    render(fresh)
+    page = pages(fresh)["problems.html"]
+    assert {"sample.html#case-hill-dale", "second.html#case-hill-dale", "solver-good.html", "solver-bad.html"} <= set(
+        page.links
+    )
+    assert "planted fault" not in " ".join(page.text)
+    caught = [
+        dataclasses.replace(FAULTS[0], id=str(k), name=f"fault {k}", study="sample", case="hill & dale") for k in range(9)
+    ]
+    missed = dataclasses.replace(FAULTS[0], id="x", fate=Fate.SURVIVED, study="second", case="hill & dale")
+    write_selftest(fresh.selftest, dataclasses.replace(SELF_TEST, faults=(*caught, missed)))
+    render(fresh)
+    said = " ".join(" ".join(pages(fresh)["problems.html"].text).split())
+    assert (
+        "It was the first to catch 9 planted faults: fault 0; fault 1; fault 2; fault 3; fault 4; fault 5; and 3 more." in said
+    )
+    assert "It was not the first to catch any planted fault." in said
 
 
 def test_a_strip_places_a_dot_at_its_order_and_a_cross_at_one_outside_its_band() -> None:
@@ -388,6 +410,7 @@ def test_a_copied_study_file_with_missing_series_links_to_its_own_page(tmp_path:
     assert {name for name in pages(results) if "/" not in name} == {
         "index.html",
         "copy.html",
+        "problems.html",
         "solvers.html",
         "solver-good.html",
     }
@@ -524,7 +547,7 @@ def test_each_template_uses_exactly_the_fields_of_its_page() -> None:
             assert engine.loader is not None
             names |= meta.find_undeclared_variables(engine.parse(engine.loader.get_source(engine, part)[0]))
         assert names == {field.name for field in dataclasses.fields(kind)}, template
-    assert set(TEMPLATES) == {IndexPage, StudyPage, TrustPage, HandbookPage, SolverPage, SolversPage}
+    assert set(TEMPLATES) == {IndexPage, StudyPage, TrustPage, HandbookPage, SolverPage, SolversPage, CataloguePage}
 
 
 def test_every_planted_fault_and_every_false_alarm_is_shown(stored: tuple[Results, list]) -> None:
@@ -603,7 +626,7 @@ def test_only_a_changed_study_is_rendered_and_the_page_of_a_removed_study_is_del
     render(fresh)
     after = stamps(fresh)
     changed = {Path(name).name for name in after if after[name] != before.get(name)}
-    solvers = {"solvers.html", "solver-good.html", "solver-bad.html"}
+    solvers = {"problems.html", "solvers.html", "solver-good.html", "solver-bad.html"}
     assert changed == {"second.html", "index.html", "manifest.json"} | solvers, "a page of a solver is made of all studies"
     fresh.study("second").unlink()
     render(fresh)

@@ -1,0 +1,137 @@
+"""The catalogue: every verification problem with its equations, its drawing, who solves it, and the faults that it caught."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mpmverify.judgement.kill_table import Fate, PlantedFault
+
+from .drawing import drawing
+from .equations import mathml
+from .notation import count
+from .overview import case_anchors, origin
+from .parts import Link, Origin
+from .record import Case, Record
+from .solver_names import pages_of
+
+NAMED = 6
+"""Largest number of faults that a problem names."""
+
+
+@dataclass(frozen=True)
+class CatalogueProblem:
+    """A verification problem.
+
+    Parameters
+    ----------
+    link : Link
+        Its case on the page of the study.
+    dimension, exposes, citation : str
+    equations : tuple of str
+        MathML.
+    drawing, legend : str
+        SVG of the domain with its bodies, supports and loads, and the meaning of the symbols.
+    solvers : tuple of Link
+    faults : str
+        The planted faults that it was the first to catch, in a sentence; "" if no self-test is at hand.
+    """
+
+    link: Link
+    dimension: str
+    exposes: str
+    citation: str
+    equations: tuple[str, ...]
+    drawing: str
+    legend: str
+    solvers: tuple[Link, ...]
+    faults: str
+
+
+@dataclass(frozen=True)
+class CatalogueStudy:
+    """A study with its problems."""
+
+    title: Link
+    anchor: str
+    note: str
+    summary: str
+    problems: tuple[CatalogueProblem, ...]
+
+
+@dataclass(frozen=True)
+class CataloguePage:
+    """The catalogue of the verification problems.
+
+    Parameters
+    ----------
+    title, generator, root : str
+    navigation : tuple of Link
+    studies : tuple of CatalogueStudy
+    origins : tuple of Origin
+    """
+
+    title: str
+    generator: str
+    root: str
+    navigation: tuple[Link, ...]
+    studies: tuple[CatalogueStudy, ...]
+    origins: tuple[Origin, ...]
+
+
+def catalogue_page(records: Sequence[Record], faults: Sequence[PlantedFault], generator: str) -> CataloguePage:
+    """Make the catalogue of the problems of all studies.
+
+    Parameters
+    ----------
+    records : sequence of Record
+    faults : sequence of PlantedFault
+        Faults of the self-test; none if it was not run.
+    generator : str
+        Name and version of the program.
+    """
+    return CataloguePage(
+        title="Problems",
+        generator=generator,
+        root="",
+        navigation=(Link("Overview", "index.html"), Link("Solvers", "solvers.html"), Link("Problems", "problems.html", True)),
+        studies=tuple(_study(record, faults) for record in records),
+        origins=tuple(origin(record) for record in records),
+    )
+
+
+def _study(record: Record, faults: Sequence[PlantedFault]) -> CatalogueStudy:
+    anchors = case_anchors(record)
+    many = len(record.cases)
+    return CatalogueStudy(
+        title=Link(str(record.attributes["title"]), f"{record.name}.html"),
+        anchor=f"study-{record.name}",
+        note=f"{many} problem{'s' * (many != 1)}",
+        summary=str(record.attributes["summary"]),
+        problems=tuple(_problem(record, case, anchors[case.name], faults) for case in record.cases),
+    )
+
+
+def _problem(record: Record, case: Case, anchor: str, faults: Sequence[PlantedFault]) -> CatalogueProblem:
+    svg, legend = drawing(dict(case.setup))
+    files = pages_of(record)
+    solvers = dict.fromkeys(series.solver for series in record.series if series.case == case.name)
+    return CatalogueProblem(
+        link=Link(case.name, f"{record.name}.html#{anchor}"),
+        dimension=f"{case.dimension}D",
+        exposes=case.exposes,
+        citation=case.citation,
+        equations=tuple(mathml(latex) for latex in case.equations),
+        drawing=svg,
+        legend=legend,
+        solvers=tuple(Link(name, files[name]) for name in solvers),
+        faults=_caught([f for f in faults if (f.study, f.case) == (record.name, case.name)]) if faults else "",
+    )
+
+
+def _caught(faults: Sequence[PlantedFault]) -> str:
+    """Say which faults a problem was the first to catch."""
+    caught = [fault.name for fault in faults if fault.fate is Fate.KILLED]
+    if not caught:
+        return "It was not the first to catch any planted fault."
+    names = "; ".join(caught[:NAMED])
+    more = f"; and {count(len(caught) - NAMED)} more" if len(caught) > NAMED else ""
+    return f"It was the first to catch {count(len(caught))} planted fault{'s' * (len(caught) != 1)}: {names}{more}."
