@@ -2,18 +2,13 @@
 
 import base64
 import dataclasses
-import functools
-import http.server
 import json
-import queue
 import re
-import shutil
-import subprocess
-import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
+from browser import BROWSER, acted
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -371,29 +366,11 @@ def test_names_are_escaped(stored: dict[int, Results]) -> None:
 # In a browser.
 
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 GRAPHICS = {
     "webgl": ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
     "without webgl": ["--disable-gpu", "--disable-3d-apis"],
 }
-WATCH = """<script>
-const faults = [];
-let graphics = false;
-addEventListener("error", (event) => faults.push(String(event.message)));
-addEventListener("unhandledrejection", (event) => faults.push(String(event.reason)));
-const plain = HTMLCanvasElement.prototype.getContext;
-HTMLCanvasElement.prototype.getContext = function (kind, choices) {  // emulated graphics are good enough for a test
-  const context = plain.call(this, kind, { ...choices, failIfMajorPerformanceCaveat: false });
-  if (kind === "webgl2" && context) graphics = true;
-  return context;
-};
-WebGL2RenderingContext.prototype.getExtension = () => null;  // no page can tell then that they are emulated
-console.error = (...parts) => faults.push(parts.join(" "));
-</script>"""
-ACT = """<script>
-addEventListener("load", async () => {
-  const frame = () => new Promise((done) => requestAnimationFrame(done));
-  const pause = async () => { for (let k = 0; k < 3; k += 1) await frame(); };
+ACT = """
   const panel = document.querySelector("[data-points]");
   panel.scrollIntoView({ behavior: "instant" });
   const role = (name) => panel.querySelector(`[data-role="field-${name}"]`);
@@ -446,56 +423,17 @@ addEventListener("load", async () => {
   while (role("time").value !== role("time").max) await frame();
   await pause();
   outcome.played = role("play").getAttribute("aria-pressed");
-  outcome.faults = faults;
-  outcome.graphics = graphics;
   outcome.still = getComputedStyle(panel.querySelector(".field-still")).display;
-  await fetch("outcome", { method: "POST", body: JSON.stringify(outcome) });
-});
-</script>"""
-
-
-class Desk(http.server.SimpleHTTPRequestHandler):
-    """Serves a report, and receives what the page reports of itself: a browser draws nothing while it only dumps a page."""
-
-    outcomes: "queue.Queue[dict]"
-
-    def do_POST(self) -> None:
-        self.outcomes.put(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
-        self.send_response(204)
-        self.end_headers()
-
-    def log_message(self, *_: object) -> None:
-        pass
-
-
-def acted(results: Results, profile: Path, graphics: list[str]) -> dict:
-    """Open the page of the study in a browser, act on its first panel as `ACT` says, and return what it found."""
-    name = f"acted-{profile.name}.html"
-    place = results.report / name
-    place.write_text(page(results).replace("<head>", f"<head>{WATCH}").replace("</body>", f"{ACT}</body>"), encoding="utf-8")
-    desk = type("DeskOfOne", (Desk,), {"outcomes": queue.Queue()})
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(desk, directory=str(results.report))) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        command = [str(BROWSER), "--headless=new", "--no-sandbox", "--no-proxy-server", f"--user-data-dir={profile}"]
-        window = ["--window-size=1280,900", "--remote-debugging-port=0"]
-        address = f"http://127.0.0.1:{server.server_port}/{name}"
-        browser = subprocess.Popen(
-            [*command, *window, *graphics, address], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
-        try:
-            return desk.outcomes.get(timeout=90)
-        finally:
-            browser.terminate()
-            browser.wait(timeout=20)
-            server.shutdown()
-            place.unlink()
+  return outcome;
+"""
 
 
 @pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
 @pytest.mark.parametrize("graphics", GRAPHICS)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_panel_works_in_a_browser(stored: dict[int, Results], tmp_path: Path, dimension: int, graphics: str) -> None:
-    outcome = acted(stored[dimension], tmp_path, GRAPHICS[graphics])
+    report = stored[dimension].report
+    outcome = acted(report / "sample.html", report, ACT, tmp_path, *GRAPHICS[graphics])
     assert outcome["graphics"] == (graphics == "webgl")
     assert outcome["faults"] == []
     assert outcome["last"]["share"] > 0.2, "the canvas is not blank"

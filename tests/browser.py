@@ -1,0 +1,104 @@
+"""Pages in a headless Chromium: a page that is served acts on itself, as a test says, and reports what it found."""
+
+import functools
+import http.server
+import json
+import queue
+import shutil
+import subprocess
+import threading
+from pathlib import Path
+
+from mpmverify.reports.pdf import BROWSERS
+
+BROWSER = next(filter(None, map(shutil.which, BROWSERS)), None)
+WATCH = """<script>
+const faults = [];
+let graphics = false;
+addEventListener("error", (event) => faults.push(String(event.message)));
+addEventListener("unhandledrejection", (event) => faults.push(String(event.reason)));
+const plain = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, choices) {  // emulated graphics are good enough for a test
+  const context = plain.call(this, kind, { ...choices, failIfMajorPerformanceCaveat: false });
+  if (kind === "webgl2" && context) graphics = true;
+  return context;
+};
+WebGL2RenderingContext.prototype.getExtension = () => null;  // no page can tell then that they are emulated
+console.error = (...parts) => faults.push(parts.join(" "));
+</script>"""
+
+
+class Desk(http.server.SimpleHTTPRequestHandler):
+    """Serves a report, and receives what the page reports of itself: a browser draws nothing while it only dumps a page."""
+
+    outcomes: "queue.Queue[dict]"
+    missing: list[str]
+
+    def do_POST(self) -> None:
+        self.outcomes.put(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
+        self.send_response(204)
+        self.end_headers()
+
+    def send_error(self, *arguments: object, **_: object) -> None:
+        self.missing.append(self.path)
+        super().send_error(*arguments)
+
+    def log_message(self, *_: object) -> None:
+        pass
+
+
+def acted(page: Path, report: Path, act: str, profile: Path, *options: str, window: str = "1280,900") -> dict:
+    """Open a page of a report in a browser and return what it found.
+
+    Parameters
+    ----------
+    page, report : Path
+        The page, and the folder of the report.
+    act : str
+        Body of an asynchronous function that returns an object; it may use `frame` and `pause`, which wait for one and three frames.
+    profile : Path
+        Folder of the browser.
+    *options : str
+        Further options of the browser.
+    window : str
+        Width and height.
+
+    Returns
+    -------
+    dict
+        The object, with the errors of the scripts as `faults`, whether WebGL was used as `graphics`, and the files that the page asked
+        for in vain as `missing`.
+    """
+    place = page.with_name(f"acted-{page.name}")
+    script = f"""<script>
+addEventListener("load", async () => {{
+  const frame = () => new Promise((done) => requestAnimationFrame(done));
+  const pause = async () => {{ for (let k = 0; k < 3; k += 1) await frame(); }};
+  let outcome = {{}};
+  try {{
+    outcome = await (async () => {{ {act} }})();
+  }} catch (error) {{
+    faults.push(String(error));
+  }}
+  await fetch("/outcome", {{ method: "POST", body: JSON.stringify({{ ...outcome, faults, graphics }}) }});
+}});
+</script>"""
+    text = page.read_text(encoding="utf-8")
+    place.write_text(text.replace("<head>", f"<head>{WATCH}").replace("</body>", f"{script}</body>"), encoding="utf-8")
+    desk = type("DeskOfOne", (Desk,), {"outcomes": queue.Queue(), "missing": []})
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(desk, directory=str(report))) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        command = [str(BROWSER), "--headless=new", "--no-sandbox", "--no-proxy-server", f"--user-data-dir={profile}"]
+        address = f"http://127.0.0.1:{server.server_port}/{place.relative_to(report).as_posix()}"
+        browser = subprocess.Popen(
+            [*command, f"--window-size={window}", "--remote-debugging-port=0", *options, address],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            return desk.outcomes.get(timeout=120) | {"missing": desk.missing}
+        finally:
+            browser.terminate()
+            browser.wait(timeout=20)
+            server.shutdown()
+            place.unlink()
