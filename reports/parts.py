@@ -104,7 +104,7 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Group:
-    """A list of findings under one title, folded or not."""
+    """A list of findings under one title, folded or not, with the command that runs them again, or ""."""
 
     anchor: str
     mark: Mark
@@ -112,6 +112,7 @@ class Group:
     gates: tuple[GateMark, ...]
     unfolded: bool
     judgements: tuple[Judgement, ...]
+    command: str = ""
 
 
 @dataclass(frozen=True)

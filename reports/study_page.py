@@ -57,7 +57,7 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
     for case in record.cases:
         chosen = [(entry, style) for entry, style in zip(record.series, curve_styles, strict=True) if entry.case == case.name]
         series, styled = [entry for entry, _ in chosen], [style for _, style in chosen]
-        section = _section(case, anchors[case.name], places, failed, series, styled, outputs, runs)
+        section = _section(record, case, anchors[case.name], places, failed, series, styled, outputs, runs)
         sections.append(replace(section, unfolded=case.name in unfolded))
     room = PAGE - sum(len(section.figures) for section in sections) - ROW * len(record.judged)
     drawn = {section.name: [curve.index for curve in section.curves if curve.shown] for section in sections}
@@ -97,6 +97,7 @@ def _orders(formal: Any) -> str:
 
 
 def _section(
+    record: Record,
     case: Case,
     anchor: str,
     places: Mapping[tuple[str, str], str],
@@ -143,7 +144,7 @@ def _section(
         tables=order_tables(ladders, shown),
         source_rows=source_rows(series),
         maps=tuple(str(figure["title"]) for figure in dominance),
-        groups=verdict_groups(findings, places, failed, sources),
+        groups=verdict_groups(record, findings, places, failed, sources),
         sources=tuple(sources),
         runs=tuple(row for entry in series for row in _runs(entry, runs)),
         cost=_cost(series),

@@ -5,12 +5,14 @@ from collections.abc import Mapping, Sequence
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.judgement.findings import Finding
 
-from .failures import Failure
+from .failures import Failure, command
 from .overview import gate_marks, judgements, mark
 from .parts import Group
+from .record import Record
 
 
 def verdict_groups(
+    record: Record,
     findings: Sequence[Finding],
     places: Mapping[tuple[str, str], str],
     failed: Mapping[tuple[str, str, str], Failure],
@@ -20,6 +22,8 @@ def verdict_groups(
 
     Parameters
     ----------
+    record : Record
+        The study.
     findings : sequence of Finding
     places : mapping of (str, str) to str
         Anchor of the verdicts on each (case, solver).
@@ -44,5 +48,5 @@ def verdict_groups(
         )
         name = places[members[0].case, solver]
         judged = judgements(members, href, sources)
-        groups.append(Group(name, mark(members), solver, gate_marks(members), doubtful, judged))
+        groups.append(Group(name, mark(members), solver, gate_marks(members), doubtful, judged, command(record, solver)))
     return tuple(groups)

@@ -319,6 +319,13 @@ def test_a_cost_that_was_not_recorded_is_named_instead_of_drawn(limited: tuple[R
 FAILING = ("raises", "nan", "unstable", "good", "returns-nothing", "hangs")
 
 
+def test_the_verdicts_on_a_solver_come_with_the_command_that_measures_them_again(limited: tuple[Results, Record]) -> None:
+    text = (limited[0].report / "sample.html").read_text(encoding="utf-8")
+    for solver in ("good", "'good too'", "bad", "crashed"):
+        shown = f"mpmverify run sample --solver {solver} --out rerun".replace("'", "&#39;")
+        assert f'<p class="again">Run it again: <code>{shown}</code></p>' in text
+
+
 @pytest.fixture(scope="module")
 def failing(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Study]:
     """Solvers that raise, return NaN, diverge and hang on the finest level, beside one that is right."""
