@@ -257,7 +257,7 @@ def test_an_interrupt_ends_the_workers_and_keeps_what_is_finished(tmp_path):
     _, errors = process.communicate(timeout=300)
     assert process.returncode != 0
     assert "KeyboardInterrupt" in errors
-    assert errors.count("Traceback") == 1, "the workers print no traceback"
+    assert errors.count("Traceback") == 1, f"the workers print no traceback: {errors}"
     deadline = time.monotonic() + 300  # the resource tracker of multiprocessing ends shortly after its parent
     while subprocess.run(["ps", "-s", str(process.pid), "-o", "pid="], capture_output=True, check=False).stdout.strip():
         assert time.monotonic() < deadline, "a process is still running"

@@ -38,7 +38,7 @@ NEAR_ZERO = 0.1
 """Least ratio of an error to its first term at which the error tells its order: nearer to a change of its sign, scatter rules it."""
 AMPLITUDES = np.linspace(-0.55, 0.55, 48)
 """Ratios of the alternating part to the other one at the coarsest size."""
-END = 1e-5
+END = 1e-7
 """Accuracy of the end of an interval, which bisection finds between the least and the greatest end by a single law."""
 NEGLIGIBLE = 1e-3
 """Probability of the least probable laws, all together, that are left out."""
