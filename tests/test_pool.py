@@ -235,6 +235,28 @@ if __name__ == "__main__":
 """
 
 
+FIRST = """
+import multiprocessing, signal
+
+from mpmverify.execution.workers import no_interrupt
+
+if __name__ == "__main__":
+    with no_interrupt():
+        first = multiprocessing.get_context("spawn").Process(target=print)
+        first.start()
+        print(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ()))
+    first.join()
+"""
+
+
+def test_an_interrupt_stays_held_back_when_the_first_process_starts(tmp_path):
+    """The first process starts the resource tracker of multiprocessing, which lets interrupts through again."""
+    script = tmp_path / "first.py"
+    script.write_text(FIRST)
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["True"], done.stderr
+
+
 def test_an_interrupt_ends_the_workers_and_keeps_what_is_finished(tmp_path):
     """The signal goes to the whole process group, as from a terminal."""
     script = tmp_path / "interrupted.py"
