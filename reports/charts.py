@@ -16,7 +16,7 @@ from .styles import COLOURS, DASHES, Style
 
 Figure = dict[str, Any]
 
-POINTS, OUTPUTS = 160, 21
+POINTS, OUTPUTS = 160, 17
 """Largest numbers of points and output times that a page stores of a profile."""
 BUDGET = 1_000_000
 """Number of profile values of a page beyond which fewer output times are stored.

@@ -25,9 +25,9 @@ from mpmverify.execution.keys import canonical, digest, in_library
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Outcome, RunError, Solution, Solver, Status
 
-SHOWN_OUTPUTS, SHOWN_SAMPLES = {1: 21, 2: 6, 3: 6}, 257
+SHOWN_OUTPUTS, SHOWN_SAMPLES = {1: 17, 2: 5, 3: 5}, 257
 """Largest numbers of output times, by dimension, and of samples of the histories that are kept of a run that the pages show."""
-SHOWN_POINTS = 15_000
+SHOWN_POINTS = 10_000
 """Number of points at all output times together beyond which fewer outputs of a run in two or three dimensions are kept."""
 
 
