@@ -183,6 +183,7 @@ def changes(findings: Sequence[Finding]) -> str:
     if not regression:
         return "No error was compared with a baseline."
     changed = sum(finding.verdict is Verdict.FAIL for finding in regression)
-    unknown = sum(finding.verdict is Verdict.INCONCLUSIVE for finding in regression)
-    said = f"{changed or 'No'} error{'s' * (changed != 1)} changed against the baseline ({len(regression)} series compared)"
-    return f"{said}; {unknown} series are not comparable with it." if unknown else f"{said}."
+    compared = changed + sum(finding.verdict is Verdict.PASS for finding in regression)
+    said = f"The errors of {changed or 'no'} series changed against the baseline, of {compared} that were compared"
+    left = len(regression) - compared
+    return f"{said}; {left} could not be compared." if left else f"{said}."

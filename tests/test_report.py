@@ -375,7 +375,11 @@ def test_the_headline_names_the_first_failure(verdicts: tuple[Verdict, ...], sai
     findings = [Finding("study", "case", "solver", "l", "verification", "criterion", v, "reason", "") for v in verdicts]
     assert cards.headline(findings, shares(findings)) == said
     changed = [dataclasses.replace(finding, gate="regression") for finding in findings]
-    assert ("1 error changed" in cards.changes(changed)) == (Verdict.FAIL in verdicts)
+    compared = sum(verdict in (Verdict.PASS, Verdict.FAIL) for verdict in verdicts)
+    shown = cards.changes(changed)
+    assert ("errors of 1 series changed" in shown) == (Verdict.FAIL in verdicts)
+    assert not verdicts or f"of {compared} that were compared" in shown
+    assert ("could not be compared" in shown) == (compared < len(verdicts)), "a run that failed was not compared"
 
 
 def test_a_known_limit_counts_apart_from_a_plain_pass() -> None:

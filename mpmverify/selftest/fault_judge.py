@@ -109,6 +109,7 @@ class FaultJudge:
         regression: Finding | None = None
         deviation, ran = 0.0, 0
         killed: dict[str, Finding] = {}
+        refused: set[str] = set()
         reached = [trial for trial, lines in zip(self.trials, self.lines, strict=True) if reaches(lines, fault, self.sources)]
         with planted(fault, self.sources, folder) as package:
             for trial in reached:
@@ -123,6 +124,9 @@ class FaultJudge:
                 try:
                     findings = self._findings(faulty, results)
                 except UsageError as error:
+                    if killed:
+                        refused.add(trial.name)
+                        continue
                     return FaultResult(
                         Fate.BROKEN, reason=f"the solver refuses the problem: {error}", deviation=deviation, trials=ran
                     )
@@ -143,7 +147,7 @@ class FaultJudge:
             fate, finding = Fate.KILLED, next(iter(killed.values()))
         elif regression:
             fate, finding = Fate.REGRESSION, regression
-        passed = tuple(dict.fromkeys(trial.name for trial in reached if trial.name not in killed))
+        passed = tuple(dict.fromkeys(trial.name for trial in reached if trial.name not in killed.keys() | refused))
         if killed and not self.every_study:
             passed = ()  # the trials after the first kill were not run
         return FaultResult(fate, finding, "", deviation, ran, tuple(killed), passed)
