@@ -11,7 +11,7 @@ and modification time of each file, without reading a dataset.
 
 from pathlib import Path
 
-from mpmverify.dataset.files import Results, check_ours, set_aside
+from mpmverify.dataset.files import Results, set_aside
 from mpmverify.errors import DamagedError
 
 from .manifest import Manifest
@@ -38,16 +38,19 @@ def render(results: Results, *, fresh: bool = False) -> Path:
     ResultsError
         If a results file is foreign or damaged, or a page cannot be written. A damaged page or self-test is set aside.
     """
-    if results.selftest.exists():
-        try:
-            check_ours(results.selftest, "selftest")
-        except DamagedError:
-            set_aside(results.selftest)
     manifest = Manifest.of(results)
     known = Manifest() if fresh else Manifest.read(results)
     if fresh or not manifest.describes(known, results):
+        from mpmverify.dataset.selftest import read_selftest
+
         from .site import write
 
+        try:
+            if manifest.selftest:
+                read_selftest(results.selftest)
+        except DamagedError:  # cut off, or written before it held what the pages show
+            set_aside(results.selftest)
+            manifest = Manifest.of(results)
         manifest.write(results, known, write(results, manifest, known))
     return results.report / "index.html"
 

@@ -729,6 +729,15 @@ def test_a_damaged_asset_is_written_again(fresh: Results) -> None:
     assert asset.read_bytes() == sound
 
 
+def test_a_self_test_that_lacks_what_the_pages_show_is_set_aside(fresh: Results) -> None:
+    write_selftest(fresh.selftest, SELF_TEST)
+    with netCDF4.Dataset(fresh.selftest, "a") as file:
+        file.delncattr("every_study")
+    render(fresh)
+    assert not (fresh.report / "trust.html").exists()
+    assert fresh.selftest.with_name("selftest.nc.damaged").exists()
+
+
 def test_a_damaged_self_test_is_set_aside_and_its_page_removed(fresh: Results) -> None:
     write_selftest(fresh.selftest, SELF_TEST)
     render(fresh)
