@@ -25,7 +25,7 @@ class Block:
         - `file: NAME`, it is written to this file in the reader's folder;
         - `status: N`, it exits with N instead of 0;
         - `command: NAME`, `.ci/run` runs it in a fresh clone;
-        - `parsed: WHY`, its commands take long, and their options alone are checked;
+        - `parsed: WHY`, its commands take long or need more than there is: their options alone are checked, and a program is parsed;
         - `workflow`, a service of continuous integration runs it.
     text : str
     """

@@ -77,7 +77,7 @@ def check(words: list[str]) -> None:
 def test_every_block_of_a_page_runs_as_a_reader_would_run_it(page, tmp_path, monkeypatch, request, environment):
     """In order, in one folder that has the results of a run; Python blocks in one session.
 
-    Not run are `command` blocks, which .ci/run runs, and `parsed` ones, which take minutes: the self-test, all studies, benchmarks.
+    Not run are `command` blocks, which .ci/run runs, and `parsed` ones, which take minutes (self-test, all studies, benchmarks) or need a cluster.
     """
     monkeypatch.chdir(tmp_path)
     shown = blocks(page)
@@ -88,6 +88,8 @@ def test_every_block_of_a_page_runs_as_a_reader_would_run_it(page, tmp_path, mon
     for block in shown:
         if name := block.marks.get("file"):
             Path(name).write_text(block.text, encoding="utf-8")
+        elif block.language == "python" and "parsed" in block.marks:
+            ast.parse(block.text)
         elif block.language == "python":
             with contextlib.redirect_stdout(io.StringIO()) as printed:
                 exec(block.text, names)

@@ -21,7 +21,7 @@ from mpmverify.adapters.bisection import Bisection
 from mpmverify.dataset.files import Results
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.execution import processes as pool
-from mpmverify.execution.runner import run, tasks_of
+from mpmverify.execution.runner import tasks_of
 from mpmverify.execution.workers import Crew, Worker
 
 TESTS = Path(__file__).parent
@@ -175,9 +175,9 @@ class Compiling(Scripted):
 def test_a_kernel_that_another_worker_compiles_is_taken_last(tmp_path):
     solvers = [Compiling(compiles=(kernel,), order=order) for kernel in ("b", "a") for order in (1.0, 2.0)]
     tasks = tasks_of(study(*solvers, Scripted(), levels=1), plan(tmp_path))
-    waiting = {name: deque(replace(task, study=name) for task in tasks) for name in ("one", "two")}
+    waiting = pool.Waiting(replace(task, study=name) for name in ("one", "two") for task in tasks)
     taken = [
-        pool._next(waiting, mine, {"one", "two"}, compiling)
+        waiting.take(mine, {"one", "two"}, compiling)
         for mine, compiling in (
             ("one", set()),
             ("two", {"b"}),
@@ -290,12 +290,6 @@ def test_an_interrupt_ends_the_workers_and_keeps_what_is_finished(tmp_path):
     stored = [task for task in tasks if Results(tmp_path / "results").run(task.key).exists()]
     assert len(stored) == 5
     assert not (tmp_path / "results" / "scripted.nc").exists()
-
-
-def test_a_scheduler_without_dask_is_named(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(UsageError, match=r"--scheduler needs dask\.distributed: pip install 'mpmverify\[distributed\]'"):
-        list(run([study()], plan(tmp_path, scheduler="tcp://nowhere:1")))
 
 
 def test_no_process_can_solve_nothing(tmp_path):

@@ -1,42 +1,176 @@
-"""Runs over the workers of a dask.distributed scheduler."""
+"""Runs over the workers of a dask.distributed scheduler: as over processes, but that the results are stored here.
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+Each thread of a dask worker has a process of its own for the runs, with the limit of time and the safeguards of `workers`: a run that
+hangs or crashes costs itself alone, and what a solver has compiled serves the next run. A worker needs no access to the results folder.
+"""
+
+import contextlib
+import multiprocessing
+import pickle
+import queue
+import sys
+import threading
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from mpmverify.errors import MpmverifyError, UsageError
-from mpmverify.execution.evaluation import Evaluated, Task, evaluate, failed
+from mpmverify.execution.evaluation import Evaluated, Task, evaluate, failed, read_back, run_key, stored
+from mpmverify.execution.processes import Waiting, failed_by
+from mpmverify.execution.workers import Crew, Worker
 from mpmverify.solution import Status
+
+IN_FLIGHT = 2
+"""Number of runs that are sent for each thread of the workers: the next is there when one ends."""
+PATIENCE = 30
+"""Limit for the scheduler to answer, at first and when the connection was lost [s]."""
 
 
 @dataclass(frozen=True)
 class Distributed:
-    """A dask.distributed scheduler; its workers must see the same results folder."""
+    """A dask.distributed scheduler and the limits of the runs on its workers.
+
+    Parameters
+    ----------
+    address : str
+    timeout : float
+        Limit for one run [s].
+    """
 
     address: str
+    timeout: float
 
     def evaluate(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Evaluated]]:
-        """Evaluate on the scheduler's workers, in the order of completion.
+        """Evaluate on the scheduler's workers, in the order of completion; what is stored is read back here.
+
+        A run whose worker is lost is sent to another one, and so is a run that a scheduler forgot when it was started again.
 
         Raises
         ------
         UsageError
-            If dask.distributed is not installed or the scheduler does not answer.
+            If dask.distributed is not installed, the scheduler does not answer, a task cannot be sent, or a worker has other code.
+        MpmverifyError
+            What a worker raised: misuse, or a damaged results folder.
         """
+        todo = []
+        for task in tasks:
+            if evaluated := read_back(task):
+                yield task, evaluated
+            else:
+                todo.append(task)
+        if todo:
+            with self._client() as client:
+                yield from self._solve(client, todo)
+
+    def _client(self) -> Any:
         try:
-            from distributed import Client, as_completed
+            from distributed import Client
         except ImportError as error:
             raise UsageError("--scheduler needs dask.distributed: pip install 'mpmverify[distributed]'") from error
         try:
-            client: Any = Client(self.address, timeout=10)
+            return Client(self.address, timeout=PATIENCE)
         except (OSError, ValueError) as error:
             raise UsageError(f"no dask scheduler answers at {self.address!r}: start one with `dask scheduler`") from error
-        with client:
-            tasks = list(tasks)
-            futures = {client.submit(evaluate, task, pure=False): task for task in tasks}
-            for future in as_completed(futures):
-                task = futures[future]
-                raised = future.exception()
-                if isinstance(raised, MpmverifyError):
-                    raise raised
-                yield task, failed(task, Status.CRASHED, repr(raised)) if raised else future.result()
+
+    def _solve(self, client: Any, tasks: Sequence[Task]) -> Iterator[tuple[Task, Evaluated]]:
+        waiting = Waiting(tasks)
+        finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        flying: dict[Any, Task] = {}
+        compiled: set[Hashable] = {None}
+        while waiting or flying:
+            self._check(client)
+            while waiting and len(flying) < max(1, IN_FLIGHT * _threads(client)):
+                task = waiting.take("", set(), {other.kernel for other in flying.values()} - compiled)
+                future = client.submit(solve_apart, _packed(task), sys.path, self.timeout, pure=False)
+                future.add_done_callback(finished.put)
+                flying[future] = task
+            future = self._next(client, finished)
+            task = flying.pop(future)
+            if future.cancelled():
+                waiting.put(task)
+                continue
+            raised = future.exception()
+            if isinstance(raised, MpmverifyError):
+                raise raised
+            evaluated = failed(task, Status.CRASHED, f"{type(raised).__name__}: {raised}") if raised else future.result()
+            compiled.add(task.kernel)
+            yield task, stored(task, evaluated)
+
+    def _next(self, client: Any, finished: "queue.SimpleQueue[Any]") -> Any:
+        while True:
+            with contextlib.suppress(queue.Empty):
+                return finished.get(timeout=1.0)
+            self._check(client)
+
+    def _check(self, client: Any) -> None:
+        if client.status == "closed":
+            raise UsageError(
+                f"the dask scheduler at {self.address!r} does not answer any more: start it and run the same command again; "
+                "what is finished is kept"
+            )
+
+
+def _threads(client: Any) -> int:
+    """Number of threads of all workers; 0 while the connection is lost."""
+    try:
+        return sum(client.nthreads().values())
+    except (OSError, RuntimeError):  # the latter of a client that is closed
+        return 0
+
+
+def _packed(task: Task) -> bytes:
+    """Pickle a task, without the results folder, which a worker may not see."""
+    try:
+        return pickle.dumps(replace(task, results=None))
+    except Exception as error:  # pickle may raise anything
+        raise UsageError(f"{task} cannot be sent to a worker ({error}): define the class at the top of a module") from error
+
+
+_thread = threading.local()
+
+
+def solve_apart(packed: bytes, path: Sequence[str], timeout: float) -> Evaluated:
+    """Solve a run in the process that belongs to this thread of a dask worker.
+
+    Parameters
+    ----------
+    packed : bytes
+        Task, pickled.
+    path : sequence of str
+        Folders from which the sender imports. They come last here, so that nothing in them hides a library.
+    timeout : float
+        Limit [s].
+
+    Raises
+    ------
+    UsageError
+        If the code of the task cannot be imported here, or differs from the sender's.
+    """
+    added = [folder for folder in path if folder not in sys.path]
+    sys.path.extend(added)
+    try:
+        task: Task = pickle.loads(packed)
+    except Exception as error:  # importing a module runs it, which may raise anything
+        raise UsageError(
+            f"a dask worker cannot import what it must run ({type(error).__name__}: {error}): install it where the worker runs, or "
+            "give the worker a folder in which it lies"
+        ) from error
+    worker: Worker[Task, Evaluated] | None = getattr(_thread, "worker", None)
+    if worker is None or worker.crew.limit != timeout or added:
+        if worker:
+            worker.stop()
+        # A dask worker is a daemon, which multiprocessing forbids children. Ours end with their parent, see `serving`.
+        multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
+        worker = _thread.worker = Worker(Crew(_same_code, partial(failed_by, timeout), timeout))
+    return worker.do(task)
+
+
+def _same_code(task: Task) -> Evaluated:
+    """Evaluate a task, if the code here is that of the sender: the result would be stored under a wrong key otherwise."""
+    if run_key(task.problem, task.solver, task.discretisation, task.criteria) != task.key:
+        raise UsageError(
+            f"{task}: a dask worker has another version of the solver, of mpmverify or of a numerical library: install the same ones "
+            "on all machines"
+        )
+    return evaluate(task)

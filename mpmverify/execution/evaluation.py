@@ -106,12 +106,15 @@ class Evaluated:
         Whether the run was solved now, and not read back.
     seconds : float
         Wall time of the task, compilation included [s]; 0 when its process died.
+    run : Run or None
+        What would be stored, of a task without a results folder.
     """
 
     level: Level
     snapshots: Snapshots | None = None
     solved: bool = False
     seconds: float = 0.0
+    run: Run | None = None
 
 
 def run_key(
@@ -158,25 +161,22 @@ def evaluate(task: Task) -> Evaluated:
         If a run file is foreign or cannot be written.
     """
     started = time.perf_counter()
-    return dataclasses.replace(_evaluated(task), seconds=time.perf_counter() - started)
+    evaluated = read_back(task) or _solved(task)
+    if task.results and evaluated.run:
+        evaluated = stored(task, evaluated)
+    return dataclasses.replace(evaluated, seconds=time.perf_counter() - started)
 
 
-def _evaluated(task: Task) -> Evaluated:
-    path = Results(task.results).run(task.key) if task.results else None
-    run = _stored(path, task) if path and task.reuse else None
-    solved = run is None
+def _solved(task: Task) -> Evaluated:
     try:
-        if run is None:
-            solution = task.solver.solve(task.problem.problem, task.discretisation)
-            if wrong := malformed(solution, task.problem.problem.dimension):
-                return failed(task, Status.CRASHED, wrong)
-            solution = dataclasses.replace(solution, outcome=confirmed(solution))
-            if wrong := breach(solution, task.problem.problem, task.discretisation):
-                return failed(task, Status.CRASHED, wrong)
-            run = measure(task, solution)
-            if path:
-                write_run(path, task.key, run, str(task))
-        return Evaluated(level_of(task, run), _snapshots(task, run.solution) if task.shown else None, solved)
+        solution = task.solver.solve(task.problem.problem, task.discretisation)
+        if wrong := malformed(solution, task.problem.problem.dimension):
+            return failed(task, Status.CRASHED, wrong)
+        solution = dataclasses.replace(solution, outcome=confirmed(solution))
+        if wrong := breach(solution, task.problem.problem, task.discretisation):
+            return failed(task, Status.CRASHED, wrong)
+        run = measure(task, solution)
+        return dataclasses.replace(_of(task, run), solved=True, run=run)
     except MpmverifyError:
         raise
     except RunError as error:
@@ -186,8 +186,35 @@ def _evaluated(task: Task) -> Evaluated:
         return failed(task, Status.CRASHED, f"{type(error).__name__}: {error} ({place(error)})", advice=advice)
 
 
-def _stored(path: Path, task: Task) -> Run | None:
-    """Run that is at hand; None when there is none, one of which too little is kept to show it, or a damaged one, which is set aside."""
+def stored(task: Task, evaluated: Evaluated) -> Evaluated:
+    """Write the run of a result that has it, and return the result without it.
+
+    Raises
+    ------
+    ResultsError
+        If the file is foreign or cannot be written.
+    """
+    if evaluated.run and task.results:
+        write_run(Results(task.results).run(task.key), task.key, evaluated.run, str(task))
+    return dataclasses.replace(evaluated, run=None)
+
+
+def read_back(task: Task) -> Evaluated | None:
+    """Read back a run that is at hand.
+
+    Returns
+    -------
+    Evaluated or None
+        None when there is none, when too little of it is kept to show it, or when it is damaged: then it is set aside.
+
+    Raises
+    ------
+    ResultsError
+        If the file is foreign.
+    """
+    if not task.results or not task.reuse:
+        return None
+    path = Results(task.results).run(task.key)
     if not path.exists():
         return None
     try:
@@ -195,7 +222,11 @@ def _stored(path: Path, task: Task) -> Run | None:
     except DamagedError:
         set_aside(path)
         return None
-    return run if run.shown or not task.shown else None
+    return _of(task, run) if run.shown or not task.shown else None
+
+
+def _of(task: Task, run: Run) -> Evaluated:
+    return Evaluated(level_of(task, run), _snapshots(task, run.solution) if task.shown else None)
 
 
 def place(error: BaseException) -> str:

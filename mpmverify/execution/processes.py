@@ -41,9 +41,7 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
     MpmverifyError
         What a worker raised: misuse, or a damaged results folder.
     """
-    waiting: dict[str, deque[Task]] = {}
-    for task in tasks:
-        waiting.setdefault(task.study, deque()).append(task)
+    waiting = Waiting(tasks)
     compiled: set[Hashable] = {None}
 
     def take(worker: Worker[Task, Evaluated], workers: Sequence[Worker[Task, Evaluated]]) -> Task | None:
@@ -51,12 +49,12 @@ def over_processes(tasks: Iterable[Task], jobs: int, timeout: float) -> Iterator
             return None
         compiling = {other.task.kernel for other in workers if other.task} - compiled
         taken = {other.latest.study for other in workers if other.latest}
-        return _next(waiting, worker.latest.study if worker.latest else "", taken, compiling)
+        return waiting.take(worker.latest.study if worker.latest else "", taken, compiling)
 
     if jobs < 1:
         raise UsageError(f"{jobs} worker processes can solve nothing: give at least 1")
-    jobs = min(jobs, sum(map(len, waiting.values())))
-    crew = Crew(evaluate, partial(_failed, timeout), timeout, environment=_threads(jobs))
+    jobs = min(jobs, len(waiting))
+    crew = Crew(evaluate, partial(failed_by, timeout), timeout, environment=_threads(jobs))
     for task, evaluated in crew.results(take, jobs):
         compiled.add(task.kernel)
         yield task, evaluated
@@ -71,24 +69,41 @@ def _threads(jobs: int) -> dict[str, str]:
     return {name: str(max(1, processors() // max(1, jobs))) for name in THREADS if name not in os.environ}
 
 
-def _failed(timeout: float, task: Task, failure: Failure, reason: str) -> Evaluated:
+def failed_by(timeout: float, task: Task, failure: Failure, reason: str) -> Evaluated:
+    """Result of a run whose process ended or was ended."""
     if failure is Failure.TIMED_OUT:
         return failed(task, Status.TIMED_OUT, reason, timeout)
     return failed(task, Status.CRASHED, reason)
 
 
-def _next(waiting: dict[str, deque[Task]], mine: str, taken: AbstractSet[str], compiling: AbstractSet[Hashable]) -> Task:
-    """Take a task of the study that a worker is at, else of the first that none is at, else of the one with most tasks left.
+class Waiting:
+    """Tasks that are not begun, by study."""
 
-    Two workers at one study compile the same solvers at the same time, unless the solvers say what they compile. A task whose kernel
-    others are `compiling` is then taken only when there is no other.
-    """
-    first = [study for study in waiting if study == mine] + [study for study in waiting if study not in taken]
-    studies = list(dict.fromkeys([*first, *sorted(waiting, key=lambda name: len(waiting[name]), reverse=True)]))
-    free = ((study, k) for study in studies for k, task in enumerate(waiting[study]) if task.kernel not in compiling)
-    study, k = next(free, (studies[0], 0))
-    task = waiting[study][k]
-    del waiting[study][k]
-    if not waiting[study]:
-        del waiting[study]
-    return task
+    def __init__(self, tasks: Iterable[Task]) -> None:
+        self._tasks: dict[str, deque[Task]] = {}
+        for task in tasks:
+            self._tasks.setdefault(task.study, deque()).append(task)
+
+    def __len__(self) -> int:
+        return sum(map(len, self._tasks.values()))
+
+    def put(self, task: Task) -> None:
+        """Put a task back: the next one of its study."""
+        self._tasks.setdefault(task.study, deque()).appendleft(task)
+
+    def take(self, mine: str, taken: AbstractSet[str], compiling: AbstractSet[Hashable]) -> Task:
+        """Take a task of the study that a worker is at, else of the first that none is at, else of the one with most tasks left.
+
+        Two workers at one study compile the same solvers at the same time, unless the solvers say what they compile. A task whose
+        kernel others are `compiling` is then taken only when there is no other.
+        """
+        tasks = self._tasks
+        first = [study for study in tasks if study == mine] + [study for study in tasks if study not in taken]
+        studies = list(dict.fromkeys([*first, *sorted(tasks, key=lambda name: len(tasks[name]), reverse=True)]))
+        free = ((study, k) for study in studies for k, task in enumerate(tasks[study]) if task.kernel not in compiling)
+        study, k = next(free, (studies[0], 0))
+        task = tasks[study][k]
+        del tasks[study][k]
+        if not tasks[study]:
+            del tasks[study]
+        return task

@@ -157,7 +157,7 @@ def _evaluate(tasks: list[Task], plan: Plan) -> Iterator[tuple[Task, Evaluated]]
     rank = {study: k for k, study in enumerate(sorted(total, key=total.__getitem__))}
     ordered = sorted(tasks, key=lambda task: (rank[task.study], -cost[id(task)]))
     if plan.scheduler:
-        yield from Distributed(plan.scheduler).evaluate(ordered)
+        yield from Distributed(plan.scheduler, plan.timeout).evaluate(ordered)
     elif plan.jobs == 0 or (len(at_hand) == len(tasks) and len(tasks) <= 50):
         yield from processes.inline(ordered)
     else:

@@ -1,7 +1,6 @@
 """Worker processes for tasks of any kind: one that hangs or kills its process is reported as failed, and the others finish."""
 
 import contextlib
-import math
 import multiprocessing
 import os
 import pickle
@@ -11,22 +10,18 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from multiprocessing import resource_tracker
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import wait
 from typing import Any, Generic, TypeVar
 
 from mpmverify.errors import MpmverifyError, UsageError
-from mpmverify.execution.restoring import restored
+from mpmverify.execution.serving import OUT_OF_TIME, READY, STARTED, Raised, serve
 
 T = TypeVar("T")
 R = TypeVar("R")
-READY, STARTED = "ready", "started"
-"""Messages of a process: it has begun; it has received a task."""
 START_UP = 120.0
 """Limit for a new process to import what its first task needs [s]; it does not count as time of the task."""
 LONGEST_WAIT = 3600.0
 """Longest wait for a message [s]: systems refuse to wait for weeks."""
-OUT_OF_TIME = getattr(signal, "SIGXCPU", None)
-"""Signal that ends a process at its limit of processor time; None where there is none."""
 
 
 class Failure(StrEnum):
@@ -99,7 +94,7 @@ class Crew(Generic[T, R]):
                         if finished := worker.receive():
                             yield finished
                     elif time.monotonic() >= worker.deadline:
-                        yield worker.abandon(Failure.TIMED_OUT, f"no result within {self.limit:g} s")
+                        yield worker.give_up()
         finally:
             with contextlib.ExitStack() as stopping:
                 for worker in workers:
@@ -150,7 +145,7 @@ class Worker(Generic[T, R]):
     def _spawn(self) -> None:
         context = self.crew.context or multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
-        process = context.Process(target=_serve, args=(theirs, self.crew.work, self.crew.processor_limit), daemon=True)
+        process = context.Process(target=serve, args=(theirs, self.crew.work, self.crew.processor_limit), daemon=True)
         try:
             with no_interrupt(), environment(self.crew.environment or {}):
                 process.start()
@@ -175,7 +170,7 @@ class Worker(Generic[T, R]):
             return None
         if isinstance(message, MpmverifyError):
             raise message
-        if isinstance(message, _Raised):
+        if isinstance(message, Raised):
             return self._finish(self.crew.failed(self._at_hand(), Failure.RAISED, message.text))
         return self._finish(message)
 
@@ -190,6 +185,31 @@ class Worker(Generic[T, R]):
         if limit is not None and OUT_OF_TIME is not None and code == -OUT_OF_TIME:
             return self.abandon(Failure.OUT_OF_PROCESSOR_TIME, f"no result within {limit:g} s of processor time")
         return self.abandon(Failure.DIED, f"the process died with exit status {code}")
+
+    def do(self, task: T) -> R:
+        """Do one task, and wait for its result.
+
+        Raises
+        ------
+        UsageError
+            If the task cannot be sent to a process, or a process cannot begin.
+        MpmverifyError
+            What the work raised of it.
+        """
+        self.start(task)
+        while True:
+            pause = max(0.0, self.deadline - time.monotonic())
+            finished = None
+            if self.connection.poll(min(pause, LONGEST_WAIT)):
+                finished = self.receive()
+            elif time.monotonic() >= self.deadline:
+                finished = self.give_up()
+            if finished:
+                return finished[1]
+
+    def give_up(self) -> tuple[T, R]:
+        """End the process at the limit of its task."""
+        return self.abandon(Failure.TIMED_OUT, f"no result within {self.crew.limit:g} s")
 
     def abandon(self, failure: Failure, reason: str) -> tuple[T, R]:
         """End the process, and report its task as failed."""
@@ -213,42 +233,6 @@ class Worker(Generic[T, R]):
             self.process.join()
             self.connection.close()
             self.process = None
-
-
-@dataclass(frozen=True)
-class _Raised:
-    """What a task raised, as text: the exception itself may not travel between processes."""
-
-    text: str
-
-
-def _serve(connection: Connection, work: Callable[[T], R], processor_limit: float | None) -> None:
-    """Do the tasks that come until the other side closes."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    message: Any = READY
-    while True:
-        try:
-            connection.send(message)
-            task = connection.recv()
-            connection.send(STARTED)
-            _limit(processor_limit)
-            with restored():
-                message = work(task)
-        except (EOFError, ConnectionError):
-            return
-        except MpmverifyError as error:
-            message = error
-        except Exception as error:  # also of a task or a result that does not travel between processes
-            message = _Raised(f"{type(error).__name__}: {error}")
-
-
-def _limit(processor_time: float | None) -> None:
-    if processor_time is not None and OUT_OF_TIME is not None:
-        import resource  # a platform with this signal has this module
-
-        limit, (_, hard) = math.ceil(time.process_time() + processor_time), resource.getrlimit(resource.RLIMIT_CPU)
-        if hard == resource.RLIM_INFINITY or limit < hard:
-            resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5 if hard == resource.RLIM_INFINITY else hard))
 
 
 @contextlib.contextmanager

@@ -1,0 +1,124 @@
+"""Kills at random moments: no finished run is lost or damaged, and the study that is finished at last is that of an undisturbed run.
+
+`KILLS=200 pytest tests/sweeps/test_kills.py` kills 200 times each way.
+"""
+
+import contextlib
+import os
+import random
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from faulty_solvers import Scripted, plan, study
+
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.runs import read_run
+from mpmverify.execution.runner import tasks_of
+
+KILLS = int(os.environ.get("KILLS", "8"))
+TESTS = Path(__file__).parent.parent
+SOURCE = "from faulty_solvers import Scripted, study\n\nSTUDY = study(Scripted('dawdles'), Scripted('good'), levels=8)\n"
+PASSING = ("date_created", "history", "id", "checksum")
+"""Attributes that say when a file was written, and the checksum over them."""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "killed_study.py").write_text(SOURCE)
+    return tmp_path
+
+
+def command(folder: Path, out: str, *options: str) -> subprocess.Popen:
+    return subprocess.Popen(
+        [sys.executable, "-m", "mpmverify", "run", "killed_study.py:STUDY", "--out", out, *options],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(TESTS)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def session(leader: int) -> list[int]:
+    """Processes of a session, those that work first."""
+    listed = subprocess.run(["ps", "-s", str(leader), "-o", "pid="], capture_output=True, text=True, check=False).stdout
+    return sorted(map(int, listed.split()), reverse=True)
+
+
+def checksums(out: Path) -> dict[str, str]:
+    """Checksum of each stored run by key; a run that cannot be read raises."""
+    keys = (task.key for task in tasks_of(study(Scripted("dawdles"), Scripted("good"), levels=8), plan(out)))
+    return {key: read_run(Results(out).run(key), key).checksum(key) for key in keys if Results(out).run(key).exists()}
+
+
+def content(path: Path) -> dict[str, xr.Dataset]:
+    """Everything that a file of a study holds, but when it was written."""
+    with xr.open_datatree(path) as tree:
+        found = {node.path: node.to_dataset().load() for node in tree.subtree}
+    for dataset in found.values():
+        dataset.attrs = {name: value for name, value in dataset.attrs.items() if name not in PASSING}
+    return found
+
+
+def finished(folder: Path, out: str, *options: str) -> None:
+    process = command(folder, out, *options)
+    said, _ = process.communicate()
+    assert process.returncode == 0, said
+
+
+def disturbed(folder: Path, victims, *options: str) -> int:
+    """Run until it is finished, with kills meanwhile; return how many processes were killed."""
+    chance, kills, before = random.Random(KILLS), 0, {}
+    finished(folder, "undisturbed")
+    expected, whole = checksums(folder / "undisturbed"), content(folder / "undisturbed" / "scripted.nc")
+    while kills < KILLS:
+        out = f"killed-{kills}"
+        while kills < KILLS:
+            process = command(folder, out, *options)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(chance.uniform(0.3, 3.5))
+            if process.poll() is not None:
+                break
+            victim = chance.choice(victims(process))
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(victim, signal.SIGKILL)
+                kills += 1
+            if victim == process.pid or chance.random() < 0.5:
+                process.kill()
+            said, _ = process.communicate()
+            assert "Traceback" not in said
+            after = checksums(folder / out)
+            assert before.items() <= after.items(), "a finished run is lost"
+            assert after.items() <= expected.items(), "a stored run differs from that of an undisturbed run"
+            before = after
+        finished(folder, out, *options)
+        before = {}
+        assert checksums(folder / out) == expected
+        found = content(folder / out / "scripted.nc")
+        assert found.keys() == whole.keys()
+        for path, dataset in found.items():
+            xr.testing.assert_identical(dataset, whole[path])
+    return kills
+
+
+def test_kills_of_processes_lose_nothing_that_is_finished(folder):
+    assert disturbed(folder, lambda process: session(process.pid), "--jobs", "2") >= KILLS
+
+
+def test_kills_over_dask_lose_nothing_that_is_finished(folder, monkeypatch):
+    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    monkeypatch.syspath_prepend(folder)
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster.scheduler_address) as client,
+    ):
+
+        def victims(process):
+            return [process.pid, *client.run(os.getpid, on_error="ignore").values()]
+
+        assert disturbed(folder, victims, "--scheduler", cluster.scheduler_address) >= KILLS
