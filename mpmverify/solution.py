@@ -148,14 +148,18 @@ class Solution:
     work: Work
     outcome: Outcome = Outcome()
 
-    def excerpt(self, outputs: Array, samples: Array | None) -> "Solution":
-        """Return the solution at some outputs and samples of its histories, given by their indices; None for no histories."""
+    def excerpt(self, outputs: Array, samples: Array | None, stride: int = 1) -> "Solution":
+        """Return the solution at some outputs and samples of its histories, given by their indices, and at every `stride`-th point.
+
+        Without `samples` it has no histories.
+        """
         return replace(
             self,
             time=self.time[outputs],
-            position=self.position[outputs],
-            weight=self.weight[outputs],
-            fields={quantity: values[outputs] for quantity, values in self.fields.items()},
+            reference=self.reference[::stride],
+            position=self.position[outputs, ::stride],
+            weight=self.weight[outputs, ::stride],
+            fields={quantity: values[outputs, ::stride] for quantity, values in self.fields.items()},
             histories={} if samples is None else {name: values[samples] for name, values in self.histories.items()},
         )
 

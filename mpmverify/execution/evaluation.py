@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import time
 import traceback
 from collections.abc import Hashable, Sequence
@@ -27,8 +28,8 @@ from mpmverify.solution import Outcome, RunError, Solution, Solver, Status
 
 SHOWN_OUTPUTS, SHOWN_SAMPLES = {1: 17, 2: 5, 3: 5}, 257
 """Largest numbers of output times, by dimension, and of samples of the histories that are kept of a run that the pages show."""
-SHOWN_POINTS = 10_000
-"""Number of points at all output times together beyond which fewer outputs of a run in two or three dimensions are kept."""
+KEPT_POINTS = 10_000
+"""Largest number of points that are kept of a run: at all outputs together in several dimensions, at the last one if it is not shown."""
 
 
 @dataclass(frozen=True)
@@ -272,12 +273,12 @@ def measure(task: Task, solution: Solution) -> Run:
 
 
 def _excerpt(task: Task, solution: Solution) -> Solution:
-    """Return what is kept of a solution: the last output; of a run that the pages show also histories, and the outputs that they draw."""
+    """Return the last output, at every k-th of many points; of a run that the pages show all points of several outputs, and histories."""
     if not task.shown:
-        return solution.excerpt(_spread(len(solution.time), 1), None)
+        return solution.excerpt(_spread(len(solution.time), 1), None, math.ceil(len(solution.reference) / KEPT_POINTS) or 1)
     most = SHOWN_OUTPUTS[task.problem.problem.dimension]
     if task.problem.problem.dimension > 1:
-        most = min(most, max(1, SHOWN_POINTS // max(len(solution.reference), 1)))
+        most = min(most, max(1, KEPT_POINTS // max(len(solution.reference), 1)))
     outputs = _spread(len(solution.time), most)
     return solution.excerpt(outputs, _spread(len(solution.histories["time"]), SHOWN_SAMPLES))
 

@@ -3,8 +3,19 @@
 from mpmverify.selftest.faults import named
 
 MPM = "mpm"
-AFFINE, DEFORMATION, FACES, GRID, HYPERELASTIC, PASSES, SPLINES = (
-    f"mpm/{name}.py" for name in ("affine", "deformation", "faces", "grid", "hyperelastic", "passes", "splines")
+AFFINE, DEFORMATION, FACES, GRID, HISTORIES, HYPERELASTIC, PASSES, SOLVER, SPLINES = (
+    f"mpm/{name}.py"
+    for name in (
+        "affine",
+        "deformation",
+        "faces",
+        "grid",
+        "histories",
+        "hyperelastic",
+        "passes",
+        "solver",
+        "splines",
+    )
 )
 STRAINED = "    F = deformed(scheme, increment, before)\n"
 TURNED = "tuple({0}[len(zero) * (k % len(zero)) + k // len(zero)] for k in range(len({0})))"
@@ -72,5 +83,20 @@ IN_SPACE = (
         MPM,
         "logarithm omitted in the Hencky law",
         (HYPERELASTIC, HENCKY, "shifted((lame * log(J) - shear) / J, shear / J, b)"),
+    ),
+    named(
+        MPM,
+        "heat of the first strip of particles alone",
+        (HISTORIES, "running[TURNED] += strips.sums[s, HEAT]", "running[TURNED] += where(s < 1, strips.sums[s, HEAT], 0.0)"),
+    ),
+    named(
+        MPM,
+        "body force at the positions of other particles after they were sorted",
+        (SOLVER, "points[particles.place] = particles.position", "points[:] = particles.position"),
+    ),
+    named(
+        MPM,
+        "body force of the first steps again in every block of steps",
+        (SOLVER, "points, times[done:end])", "points, times[: end - done])"),
     ),
 )

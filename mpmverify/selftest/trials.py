@@ -136,6 +136,8 @@ TRIALS: dict[str, tuple[Trial, ...]] = {
         Trial(COMBINED, "Taylor least squares, finite strain", "mpm-tl-tls-linear-usl-flip"),
         Trial(COMBINED, "Taylor least squares, quadratic", "mpm-ul-tls-quadratic-usl-flip"),
         Trial(COMBINED, "FMPM(4)", "mpm-tl-linear-musl-fmpm4"),
+        Trial(COMBINED, "heat, several threads", "mpm-ul-quadratic-usl-apic"),
+        Trial(COMBINED, "force at the position, several threads", "mpm-ul-quadratic-usl-apic"),
     ),
     "taylor_galerkin": (
         Trial(DECK, "deck", "tg-lumped"),

@@ -51,8 +51,8 @@ ELEMENTS = {1: (ElementLineP1(), 5), 2: (ElementLineP2(), 7)}
 """Element and order of the quadrature, by degree."""
 BETA = {"central-differences": 0.0, "newmark": 0.25}
 """Newmark's beta by integrator; gamma is 1/2 in both."""
-BLOCK = 2**21
-"""Largest number of body-force values that are stored at once."""
+BLOCK = 2**14
+"""Largest number of body-force values that are stored at once, so that most runs have several blocks."""
 
 
 def lower_bands(matrix: Any) -> Array:

@@ -42,8 +42,8 @@ SCHEDULES = {"USF": passes.USF, "USL": passes.USL, "MUSL": passes.MUSL}
 FORMULATIONS = {"updated": "ul", "total": "tl"}
 BODY_FORCES = ("particles", "nodes")
 
-BLOCK = 4_000_000
-"""Largest number of body-force values held at once: 32 MB."""
+BLOCK = 100_000
+"""Largest number of body-force values held at once, so that most runs have several blocks: 0.8 MB."""
 MANY = 50_000
 """Number of particles from which several threads are used."""
 

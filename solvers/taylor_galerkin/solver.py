@@ -30,8 +30,8 @@ from .kernel import march
 
 MARGIN = 10.0
 """A run is unstable when its amplitude exceeds the bound of the exact solution times this; Gibbs overshoots stay below 2."""
-BLOCK = 2**18
-"""Largest number of body-force values that are stored at once."""
+BLOCK = 2**14
+"""Largest number of body-force values that are stored at once, so that most runs have several blocks."""
 
 
 def first_order_form(problem: Problem, solver: str) -> tuple[tuple[str, ...], tuple[Array, Array, Array]]:
