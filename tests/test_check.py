@@ -152,6 +152,21 @@ def test_an_error_that_no_level_changes_is_found():
     assert any("does not fall" in remark.what and "take h or dt from the level" in remark.cause for remark in remarks), remarks
 
 
+@pytest.mark.parametrize(
+    ("where", "unit", "lost"), [(BOX, 1e-8, True), (case("large-deformation", "square"), 1e-4, False)], ids=["small", "large"]
+)
+def test_an_error_that_grows_with_the_steps_may_be_that_of_single_precision_where_the_motion_is_small(where, unit, lost):
+    def rounded(s, p, at):
+        quantum = unit * len(s.histories["time"])
+        u = np.round(s.fields["displacement"] / quantum) * quantum
+        return {"position": s.reference + u, "fields": {**s.fields, "displacement": u}}
+
+    remarks = check(Mistaken(rounded), where)
+    (found,) = (remark for remark in remarks if "the error of the displacement does not fall" in remark.what)
+    assert "solves another problem" in found.cause
+    assert ("single precision" in found.cause) == lost
+
+
 def test_an_exception_comes_with_the_lines_of_its_author():
     def fails(s, p, at):
         return {"weight": s.weight[:, : 1 / 0]}

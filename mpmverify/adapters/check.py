@@ -9,6 +9,8 @@ import traceback
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+import numpy as np
+
 from mpmverify.adapters.mistakes import TESTS, Remark, Run, same
 from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.exact import VerificationProblem
@@ -17,6 +19,11 @@ from mpmverify.execution.keys import in_library
 from mpmverify.problem import UNITS, Discretisation, LinearElastic, Transport, components
 from mpmverify.solution import RunError, Solver
 from mpmverify.study import Case
+
+LOST = (
+    ", or it computes in single precision, in which positions and strains lose so small a motion, and more of it the more steps there are: "
+    "compute in double precision, or choose a case that moves farther"
+)
 
 
 def check(solver: Solver, case: Case) -> list[Remark]:
@@ -142,5 +149,15 @@ def _not_refined(runs: list[Run]) -> Iterator[Remark]:
                 f"the error of the {quantity} does not fall: it is {sizes[0]:.2g} of the solution, and {sizes[1]:.2g} on the finer level",
                 "the solver does not take h or dt from the level"
                 if same_on_both
-                else "it solves another problem (conditions on the faces, body force, material, initial state), or the scheme has this limit",
+                else "it solves another problem (conditions on the faces, body force, material, initial state), or the scheme has this limit"
+                + (LOST if sizes[1] > sizes[0] and _moves_little(runs[1]) else ""),
             )
+
+
+def _moves_little(run: Run) -> bool:
+    """Whether the motion is so small beside the positions that one of single precision rounds off by more than a thousandth of it."""
+    exact = run.problem.exact.fields.get("displacement")
+    if exact is None:
+        return False
+    moved = np.max(np.abs(exact(run.solution.reference, run.solution.time)))
+    return bool(1e-3 * moved < np.finfo(np.float32).eps * np.max(np.abs(run.solution.reference)))
