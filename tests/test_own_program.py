@@ -235,6 +235,7 @@ def test_a_program_that_takes_too_much_memory_fails(folder):
         ({"orders": "{ temperature = 2 }"}, "a table of the order"),
         ({"orders": "{ displacement = nan }"}, "a table of the order"),
         ({"orders": "{ displacement = true }"}, "a table of the order"),
+        ({"coarse_orders": "{ temperature = 2 }"}, "a table of the order on coarse levels"),
         ({"conserves": '["energy"]'}, "a list of mass, momentum"),
         ({"sources": '["none.f90"]'}, "there is no file 'none.f90'"),
         ({"points": '"cells"'}, "particles or nodes"),

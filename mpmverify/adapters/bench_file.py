@@ -78,6 +78,10 @@ def _matching(folder: Path, pattern: str, path: Path) -> list[Path]:
     return found
 
 
+def _orders(value: Any) -> bool:
+    return isinstance(value, dict) and value.keys() <= UNITS.keys() and all(map(_number, value.values()))
+
+
 def _texts(value: Any) -> bool:
     return isinstance(value, list) and all(isinstance(entry, str) and entry for entry in value)
 
@@ -101,10 +105,12 @@ def _inside(value: Any) -> bool:
 TYPES: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "name": (_name, "a text without '/' that does not begin with '.'"),
     "orders": (
-        lambda value: (
-            isinstance(value, dict) and bool(value) and value.keys() <= UNITS.keys() and all(map(_number, value.values()))
-        ),
+        lambda value: _orders(value) and bool(value),
         f"a table of the order of each of {', '.join(UNITS)} that the code returns",
+    ),
+    "coarse_orders": (
+        _orders,
+        f"a table of the order on coarse levels of some of {', '.join(UNITS)}",
     ),
     "conserves": (lambda value: _texts(value) and set(value) <= set(INVARIANTS), f"a list of {', '.join(INVARIANTS)}"),
     "command": (lambda value: _text(value) or _texts(value), "a command line, or a list of its parts"),

@@ -31,7 +31,7 @@ class Executable:
     ----------
     bench : Path
         The file that describes it. Paths are relative to its folder; the files of a run that fails are kept in `<name>-failed` there.
-    name, orders, conserves
+    name, orders, coarse_orders, conserves
         See `Solver`.
     command : tuple of str
         Program and arguments; one that is the name of a file beside `bench` stands for it.
@@ -63,6 +63,7 @@ class Executable:
     columns: Mapping[str, str] = field(default_factory=dict)
     time_limit: float = 600.0
     memory_limit: float = 0.0
+    coarse_orders: Mapping[str, float] = field(default_factory=dict)
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
         """Write the problem, run the program, and read its result.

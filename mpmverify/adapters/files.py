@@ -28,7 +28,7 @@ class Files:
     ----------
     bench : Path
         The file that describes it.
-    name, orders, conserves
+    name, orders, coarse_orders, conserves
         See `Solver`.
     problems : Path
         Index of the exported problems, which `export` wrote.
@@ -48,6 +48,7 @@ class Files:
     result: str = "result.csv"
     histories: str = ""
     columns: Mapping[str, str] = field(default_factory=dict)
+    coarse_orders: Mapping[str, float] = field(default_factory=dict)
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
         """Read the result of a run.
