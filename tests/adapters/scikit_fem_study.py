@@ -56,13 +56,13 @@ STUDY = Study(
     summary="Standing waves in a bar, between slip walls and in a free square, by scikit-fem with lumped and consistent masses.",
     cases=(
         Case(
-            "bar",
+            "axial-vibration, literature",
             problem("axial-vibration", "literature"),
             tuple(series("line", lumped, 25.0, 16, 32, 64, 128) for lumped in (True, False)),
             shown="displacement",
         ),
         Case(
-            "box",
+            "plane-waves, box",
             problem("plane-waves", "box"),
             (
                 *(series(element, True, 1.0, 12, 16, 24, 32) for element in ("P1", "Q1")),
@@ -72,7 +72,7 @@ STUDY = Study(
             shown="displacement",
         ),
         Case(
-            "free square",
+            "plane-waves, free",
             problem("plane-waves", "free"),
             (series("Q1", True, 1.5, 12, 16, 24, 32), series("P1", False, 1.5, 12, 16, 24, 32)),
             shown="displacement",

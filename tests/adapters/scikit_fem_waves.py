@@ -109,17 +109,18 @@ class ScikitFem:
             u[free] = splu(K[free][:, free].tocsc()).solve(given[free])
         a[free] = starting.solve(-(K @ u)[free])
         shown, saved, histories = output_steps(steps, problem.outputs), [], []
-        impulse, force = np.zeros(dimension), None
+        impulse, force, mass = np.zeros(dimension), np.zeros(dimension), M.sum() / dimension
+        reacting = [np.intersect1d(fixed, dofs) for dofs in component]
         for n in range(steps + 1):
             if n:
                 u, v = u + dt * v + (0.5 - beta) * dt**2 * a, v + dt / 2 * a
                 a = np.zeros(basis.N)
                 a[free] = stepping.solve(-(K @ u)[free])
                 u, v = u + beta * dt**2 * a, v + dt / 2 * a
-            reaction, before = M @ a + K @ u, force
-            force = np.array([reaction[np.intersect1d(fixed, dofs)].sum() for dofs in component])
+            reaction, momentum, before = M @ a + K @ u, M @ v, force
+            force = np.array([reaction[dofs].sum() for dofs in reacting])
             impulse = impulse + (dt / 2 * (before + force) if n else 0)
-            histories.append((M.sum() / dimension, *((M @ v)[dofs].sum() for dofs in component), *impulse))
+            histories.append((mass, *(momentum[dofs].sum() for dofs in component), *impulse))
             if n in shown:
                 saved.append((u, v))
 

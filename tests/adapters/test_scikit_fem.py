@@ -1,10 +1,8 @@
 """scikit-fem on the bench: of the orders of theory, and momentum balances; a wrong modulus and a late start do not pass."""
 
 import pytest
-
-pytest.importorskip("skfem", reason="scikit-fem is not installed")
-
 import scikit_fem_waves
+from page_of_codes import agree
 from scikit_fem_study import STUDY, expected, problem
 from scikit_fem_waves import ScikitFem
 from skfem.models.elasticity import linear_elasticity
@@ -20,11 +18,12 @@ SERIES = {f"{case.name}-{series.solver.name}": (case, series) for case, series i
 @pytest.mark.parametrize("name", SERIES)
 def test_every_order_is_that_of_theory_and_momentum_balances(name, verify):
     case, series = SERIES[name]
-    verify(series.solver, STUDY, case.name, refinement=series.refinement, criteria=series.criteria)
+    findings = verify(series.solver, STUDY, case.name, refinement=series.refinement, criteria=series.criteria)
+    agree(case.name, series.solver.name, findings)
 
 
 def test_the_constant_of_plane_stress_in_place_of_that_of_plane_strain_fails(monkeypatch):
-    case, series = SERIES["box-scikit-fem-P1-lumped"]
+    case, series = SERIES["plane-waves, box-scikit-fem-P1-lumped"]
     plane_stress = lambda lam, mu: linear_elasticity(2 * lam * mu / (lam + 2 * mu), mu)  # noqa: E731
     monkeypatch.setattr(scikit_fem_waves, "linear_elasticity", plane_stress)
     found = verified(series.solver, STUDY, case.name, refinement=series.refinement, criteria=expected(1)[:3])

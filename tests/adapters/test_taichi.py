@@ -2,8 +2,9 @@
 
 import pytest
 
-pytest.importorskip("taichi", reason="taichi is not installed: pip install 'mpmverify[adapters]'")
+pytest.importorskip("taichi", reason="taichi is not installed: pip install 'mpmverify[adapters]'", exc_type=ImportError)
 
+from page_of_codes import agree
 from taichi_study import EXAMPLE, FLOAT, STUDY, orders
 
 from mpmverify import studies
@@ -18,7 +19,8 @@ SERIES = {f"{case.name}-{series.solver.name}": (case, series) for case, series i
 @pytest.mark.parametrize("name", SERIES)
 def test_the_measured_behaviour_is_that_of_theory_or_the_known_limit(name, verify):
     case, series = SERIES[name]
-    verify(series.solver, STUDY, case.name, refinement=series.refinement, criteria=series.criteria)
+    findings = verify(series.solver, STUDY, case.name, refinement=series.refinement, criteria=series.criteria)
+    agree(case.name, series.solver.name, findings)
 
 
 @pytest.mark.parametrize("solver", [EXAMPLE, FLOAT], ids=["the example's first step", "single precision"])

@@ -2,8 +2,9 @@
 
 import pytest
 
-pytest.importorskip("warp", reason="warp is not installed: pip install 'mpmverify[adapters]'")
+pytest.importorskip("warp", reason="warp is not installed: pip install 'mpmverify[adapters]'", exc_type=ImportError)
 
+from page_of_codes import agree
 from warp_fem import WarpFem
 from warp_study import BALANCE, STUDY
 
@@ -17,7 +18,8 @@ SERIES = {f"{case.name}-{series.solver.name}": (case, series) for case, series i
 @pytest.mark.parametrize("name", SERIES)
 def test_every_order_is_that_of_theory_and_momentum_balances_to_its_precision(name, verify):
     case, series = SERIES[name]
-    verify(series.solver, STUDY, case.name, refinement=series.refinement, criteria=series.criteria)
+    findings = verify(series.solver, STUDY, case.name, refinement=series.refinement, criteria=series.criteria)
+    agree(case.name, series.solver.name, findings)
 
 
 def test_single_precision_does_not_keep_momentum_to_the_round_off_of_double_precision():
