@@ -37,6 +37,7 @@ def test_the_first_step_hides_from_the_displacement_of_coarse_levels_and_shows_i
     levels = tuple(Discretisation(1 / n, 0.3, ppc=2) for n in (20, 24, 32, 40))
     coarse = Refinement("coarse", levels, len(levels))
     found = verified(EXAMPLE, STUDY, case.name, refinement=coarse, criteria=declared)
+    print(*found, sep="\n")
     assert [finding.verdict for finding in found] == [Verdict.PASS, Verdict.INCONCLUSIVE]
     found = verified(EXAMPLE, studies.get("plane-waves"), "periodic", criteria=declared)
     assert [finding.verdict for finding in found] == [Verdict.INCONCLUSIVE, Verdict.FAIL]
