@@ -1,8 +1,8 @@
 """What was judged of the conservation of mass, momentum, angular momentum and energy by a solver."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,18 +26,41 @@ METRICS: Mapping[str, tuple[str, str]] = {
 """Quantity and metric of the criteria on the energy."""
 
 
+@dataclass(frozen=True)
+class Balance:
+    """A criterion of conservation as it was judged on one series: the largest measured figure, and the bound as text."""
+
+    quantity: str
+    criterion: str
+    entry: Entry
+    finding: Finding
+    figure: float
+    bound: str
+
+
 def conservation(dossier: Dossier) -> tuple[ConservationRow, ...]:
     """Return one row for each criterion of conservation, over all series on which it was judged."""
-    table: dict[tuple[str, str], list[tuple[Entry, Finding, Mapping[str, Any]]]] = {}
+    table: dict[tuple[str, str], list[Balance]] = {}
+    for balance in balances(dossier):
+        table.setdefault((balance.quantity, balance.criterion), []).append(balance)
+    return tuple(sorted(map(_row, table.values()), key=lambda row: place(row.quantity)))
+
+
+def balances(dossier: Dossier) -> Iterator[Balance]:
+    """Yield what was judged of conservation on every series."""
     for entry in dossier.entries:
         for title, criterion in entry.series.criteria.items():
             finding, quantity = entry.judged(title), _quantity(criterion)
             if quantity and finding:
-                table.setdefault((quantity, title), []).append((entry, finding, criterion))
-    rows = [_row(quantity, title, members) for (quantity, title), members in table.items()]
-    return tuple(
-        sorted(rows, key=lambda row: QUANTITIES.index(row.quantity) if row.quantity in QUANTITIES else len(QUANTITIES))
-    )
+                drift = criterion["type"] == "EnergyDrift"
+                bound = f"order {criterion['low']:g} in dt" if drift else number(float(criterion["bound"]))
+                shown = typeset_numbers(title).replace("_", " ")
+                yield Balance(quantity, shown, entry, finding, _figure(entry.series, criterion), bound)
+
+
+def place(quantity: str) -> int:
+    """Return the place of a conserved quantity in the order of the rows."""
+    return QUANTITIES.index(quantity) if quantity in QUANTITIES else len(QUANTITIES)
 
 
 def _quantity(criterion: Mapping[str, Any]) -> str:
@@ -47,20 +70,17 @@ def _quantity(criterion: Mapping[str, Any]) -> str:
     return QUANTITIES[-1] if kind == "FieldSums" else METRICS.get(kind, ("", ""))[0]
 
 
-def _row(quantity: str, title: str, members: list[tuple[Entry, Finding, Mapping[str, Any]]]) -> ConservationRow:
-    findings = [finding for _, finding, _ in members]
-    verdict = worst(finding.verdict for finding in findings)
-    figures = [(_figure(entry.series, criterion), entry) for entry, finding, criterion in members if finding.verdict is verdict]
-    figure, entry = max(figures, key=lambda pair: pair[0] if math.isfinite(pair[0]) else -math.inf)
-    count = sum(finding.verdict is verdict for finding in findings)
-    criterion = members[0][2]
+def _row(members: list[Balance]) -> ConservationRow:
+    verdict = worst(member.finding.verdict for member in members)
+    having = [member for member in members if member.finding.verdict is verdict]
+    shown = max(having, key=lambda member: member.figure if math.isfinite(member.figure) else -math.inf)
     return ConservationRow(
-        quantity=quantity,
-        criterion=typeset_numbers(title).replace("_", " "),
-        mark=replace(mark_of(next(f for f in findings if f.verdict is verdict)), note=f"{count} of {len(findings)}"),
-        measured=number(figure),
-        bound=f"order {criterion['low']:g} in dt" if criterion["type"] == "EnergyDrift" else number(float(criterion["bound"])),
-        where=Link(f"{entry.record.name}, {entry.series.case}", entry.href),
+        quantity=shown.quantity,
+        criterion=shown.criterion,
+        mark=replace(mark_of(having[0].finding), note=f"{len(having)} of {len(members)}"),
+        measured=number(shown.figure),
+        bound=members[0].bound,
+        where=Link(f"{shown.entry.record.name}, {shown.entry.series.case}", shown.entry.href),
     )
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +24,17 @@ MEASURABLE = 1e-3
 """Wall time [s] below which a ratio of two times says more of the machine than of the solvers."""
 MOST = 3
 """Largest number of ladders of a solver in one chart."""
+
+Place = tuple[float, float]
+"""(cost, error)."""
+
+
+@dataclass(frozen=True)
+class SameError:
+    """Ratio of two costs at one error."""
+
+    error: float
+    ratio: float
 
 
 def costs(dossier: Dossier) -> tuple[CostCase, ...]:
@@ -80,26 +92,32 @@ def reference(record: Record, mine: Series, measure: Measure) -> Series | None:
     return max(others, key=near, default=None)  # the first of equals: the one that the study declares first
 
 
-def _tells(series: Series, measure: Measure) -> bool:
-    """Whether a series shows an error against a size: it has at least two errors, and not all at round-off.
+def modes_alone(series: Series) -> bool:
+    """Whether a frequency or a stability limit alone is judged of a series.
 
-    Where a frequency or a stability limit alone is judged, its errors tell nothing: on a coarse grid a mode ends out of phase by many
-    periods, and at the limit round-off decides how large the growing wave is.
+    Its errors tell nothing: on a coarse grid a mode ends out of phase by many periods, and at the limit round-off decides how large the
+    growing wave is.
     """
+    return not series.bands and any(name.startswith(("phase_angle_", "stability_limit")) for name in series.metrics)
+
+
+def _tells(series: Series, measure: Measure) -> bool:
+    """Whether a series shows an error against a size: it has at least two errors, and not all at round-off."""
     estimate = series.estimates.get(measure)
-    modes = any(name.startswith(("phase_angle_", "stability_limit")) for name in series.metrics)
-    if estimate is None or not series.axis or (modes and not series.bands):
+    if estimate is None or not series.axis or modes_alone(series):
         return False
     known = estimate.error[np.isfinite(estimate.error) & (estimate.error > 0)]
     return len(known) > 1 and float(known.max()) > ROUND_OFF
 
 
 def _curve(series: Series, measure: Measure, cost: str, beside: bool) -> Curve:
-    pairs = [
-        (float(getattr(level, cost)), float(error))
-        for level, error in zip(series.levels, series.estimates[measure].error, strict=True)
-    ]
-    return Curve(tuple((x, y) for x, y in pairs if math.isfinite(x) and math.isfinite(y) and x > 0 and y > 0), beside)
+    return Curve(places([getattr(level, cost) for level in series.levels], series.estimates[measure].error.tolist()), beside)
+
+
+def places(costs: Sequence[float], errors: Sequence[float]) -> tuple[Place, ...]:
+    """Return the pairs of a cost and an error that are both positive and finite."""
+    pairs = ((float(x), float(y)) for x, y in zip(costs, errors, strict=True))
+    return tuple((x, y) for x, y in pairs if math.isfinite(x) and math.isfinite(y) and x > 0 and y > 0)
 
 
 def _named(series: Series) -> str:
@@ -110,16 +128,34 @@ def _compared(curves: dict[str, list[Curve]], beside: Series) -> str:
     """Say what an error costs that both the first ladder and the reference reach; "" if there is none or an error does not fall."""
     parts, errors = [], []
     for cost, name in (("seconds", "time"), ("point_steps", "point-steps")):
-        pair = curves[cost][0].places, curves[cost][-1].places
-        if any(len(places) < 2 or any(b >= a for (_, a), (_, b) in pairwise(places)) for places in pair):
-            continue
-        error = max(places[-1][1] for places in pair)
-        mine, theirs = (_at(places, error) for places in pair)
-        if error > min(places[0][1] for places in pair) or (cost == "seconds" and min(mine, theirs) < MEASURABLE):
-            continue
-        errors.append(error)
-        parts.append(f"{number(mine / theirs, 2)} times the {name}")
+        found = at_same_error(curves[cost][0].places, curves[cost][-1].places, MEASURABLE if cost == "seconds" else 0.0)
+        if found:
+            errors.append(found.error)
+            parts.append(f"{number(found.ratio, 2)} times the {name}")
     return f"An error of {number(errors[0], 2)} takes {' and '.join(parts)} of {beside.solver}." if parts else ""
+
+
+def at_same_error(mine: Sequence[Place], theirs: Sequence[Place], least: float = 0.0) -> SameError | None:
+    """Return the ratio of two costs at the smallest error that both reach, or None if there is no such error.
+
+    Parameters
+    ----------
+    mine, theirs : sequence of (float, float)
+        Costs with their errors, all positive, coarsest level first. Both errors must fall from level to level.
+    least : float
+        Cost below which a ratio tells nothing.
+
+    Notes
+    -----
+    The cost of an error between two levels is interpolated in the logarithms of both.
+    """
+    if any(len(curve) < 2 or any(b >= a for (_, a), (_, b) in pairwise(curve)) for curve in (mine, theirs)):
+        return None
+    error = max(curve[-1][1] for curve in (mine, theirs))
+    if error > min(curve[0][1] for curve in (mine, theirs)):
+        return None
+    spent = [_at(curve, error) for curve in (mine, theirs)]
+    return SameError(error, spent[0] / spent[1]) if min(spent) >= least else None
 
 
 def _missing(curves: dict[str, list[Curve]]) -> str:
@@ -127,9 +163,9 @@ def _missing(curves: dict[str, list[Curve]]) -> str:
     return f"The solver returned no {' and no '.join(lacking)}." if lacking else ""
 
 
-def _at(places: Sequence[tuple[float, float]], error: float) -> float:
+def _at(curve: Sequence[Place], error: float) -> float:
     """Return the cost of an error, from the logarithms of its neighbours."""
-    table = np.log(sorted((y, x) for x, y in places))
+    table = np.log(sorted((y, x) for x, y in curve))
     return float(np.exp(np.interp(math.log(error), table[:, 0], table[:, 1])))
 
 

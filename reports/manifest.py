@@ -22,6 +22,8 @@ PROBLEMS = "problems"
 """Name of the catalogue of the problems."""
 SOLVERS, SOLVER = "solvers", "solver-"
 """Name of the page that lists the solvers, and the beginning of the names of their own pages."""
+COMPARE = "compare"
+"""Name of the page that compares two solvers."""
 LIBRARIES = ("jinja2", "latex2mathml", "markdown-it-py", "plotly", "pygments")
 ROOMS = ("convergence", "criteria", "dataset", "judgement")
 """Packages of `mpmverify` on which the pages depend, in addition to the modules of the report."""
@@ -81,7 +83,13 @@ class Manifest:
         """
         studies = {path.stem: _source(path) for path in results.studies()}
         selftest = _source(results.selftest) if results.selftest.exists() else None
-        taken = {"index": "the index page", TRUST: "the trust page", SOLVERS: "the list of solvers", PROBLEMS: "the catalogue"}
+        taken = {
+            "index": "the index page",
+            TRUST: "the trust page",
+            SOLVERS: "the list of solvers",
+            COMPARE: "the comparison of solvers",
+            PROBLEMS: "the catalogue",
+        }
         for study in studies:
             if name := taken.get(study, "the page of a solver" if study.startswith(SOLVER) else ""):
                 raise ResultsError(f"'{results.study(study)}' would overwrite {name} of the report: rename the study")

@@ -42,8 +42,8 @@ def _strips(entry: Entry) -> Iterator[OrderStrip]:
         if finding is None or criterion["type"] not in (ORDER, STALL):
             continue
         quantity, norm = str(criterion["quantity"]), str(criterion["norm"])
-        measured, ends = _measured(entry, criterion)
-        band, accepted = _accepted(criterion)
+        measured, ends = measured_order(entry, criterion)
+        band, accepted = accepted_orders(criterion)
         formal = entry.series.formal.get(quantity) if entry.series.axis == "h" else None
         yield OrderStrip(
             mark=mark_of(finding),
@@ -61,7 +61,7 @@ def _strips(entry: Entry) -> Iterator[OrderStrip]:
         )
 
 
-def _measured(entry: Entry, criterion: Mapping[str, Any]) -> tuple[float, Ends]:
+def measured_order(entry: Entry, criterion: Mapping[str, Any]) -> tuple[float, Ends]:
     """Return an order with its interval: of the fit, or the last one between two levels where the error is expected to stall."""
     estimate = entry.series.estimates.get((criterion["quantity"], criterion["norm"]))
     if estimate is None:
@@ -71,7 +71,8 @@ def _measured(entry: Entry, criterion: Mapping[str, Any]) -> tuple[float, Ends]:
     return estimate.order, (estimate.low, estimate.high)
 
 
-def _accepted(criterion: Mapping[str, Any]) -> tuple[Ends, str]:
+def accepted_orders(criterion: Mapping[str, Any]) -> tuple[Ends, str]:
+    """Return the band that a criterion on an order accepts, also in words."""
     if criterion["type"] == STALL:
         return (AXIS[0], float(criterion["below"])), f"below {criterion['below']:g}"
     return (float(criterion["low"]), float(criterion["high"])), f"{criterion['low']:g} to {criterion['high']:g}"

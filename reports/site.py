@@ -18,9 +18,10 @@ from mpmverify.errors import ResultsError
 from mpmverify.judgement.kill_table import SelfTest
 
 from .catalogue_page import CataloguePage, catalogue_page
+from .compare_page import ComparePage, compare_page
 from .handbook_page import HandbookPage, handbook_pages
 from .index_page import index_page
-from .manifest import HANDBOOK, PROBLEMS, SOLVERS, TRUST, Manifest, page
+from .manifest import COMPARE, HANDBOOK, PROBLEMS, SOLVERS, TRUST, Manifest, page
 from .pages import IndexPage, StudyPage, TrustPage
 from .parts import Link
 from .reader import read
@@ -34,13 +35,14 @@ SIGNATURE = b'<meta name="generator" content="mpmverify '
 BEGINNING = b'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n' + SIGNATURE
 END = b"</html>\n"
 """How every page begins, and how it ends unless it is cut off."""
-Page = IndexPage | StudyPage | TrustPage | SolverPage | SolversPage | CataloguePage | HandbookPage
+Page = IndexPage | StudyPage | TrustPage | SolverPage | SolversPage | ComparePage | CataloguePage | HandbookPage
 TEMPLATES = {
     IndexPage: "index.html",
     StudyPage: "study.html",
     TrustPage: "trust.html",
     SolverPage: "solver.html",
     SolversPage: "solvers.html",
+    ComparePage: "compare.html",
     CataloguePage: "problems.html",
     HandbookPage: "handbook.html",
 }
@@ -71,6 +73,7 @@ def write(results: Results, manifest: Manifest, known: Manifest) -> tuple[str, .
     test = read_selftest(results.selftest) if manifest.selftest else None
     whole: dict[str, Page] = {PROBLEMS: catalogue_page(records, test.faults if test else (), GENERATOR)}
     whole |= solver_pages(records, runs, GENERATOR)
+    whole[COMPARE] = compare_page(records, GENERATOR)
     for name in whole:
         _make_way(page(results, name))
     for record in records:

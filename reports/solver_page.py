@@ -8,12 +8,13 @@ from mpmverify.convergence.verdict import Verdict
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.summary import KNOWN_LIMIT, ranked, tally
 
+from .compare_page import comparison_of
 from .conservation import conservation
 from .cost import costs
 from .dossiers import Dossier, Entry, dossiers
 from .failures import Failure, failures
 from .limits import against_theory
-from .manifest import SOLVERS
+from .manifest import COMPARE, SOLVERS
 from .notation import DASH, count, ladder, order, slugs
 from .overview import GATES, cell, judgements, mark, not_passed, origin, shares, solver_anchors, verdict_anchors
 from .parts import Cell, Fact, Link, Mark
@@ -53,6 +54,7 @@ def solver_pages(records: Sequence[Record], runs: Set[str], generator: str) -> d
     navigation = (
         Link("Overview", "index.html"),
         Link("Solvers", f"{SOLVERS}.html", True),
+        Link("Compare", f"{COMPARE}.html"),
         *(Link(entry.name, f"#{entry.anchor}") for entry in listed),
     )
     origins = tuple(origin(record) for record in records)
@@ -90,6 +92,7 @@ def solver_page(dossier: Dossier, families: Sequence[Family], failed: Failures, 
         mark=mark(dossier.findings),
         sentence=sentence(dossier),
         shares=shares(dossier.findings),
+        compare=comparison_of(dossier.solver),
         choices=choices(dossier.schemes[0]),
         orders=tuple(
             Fact(quantity.replace("_", " "), " or ".join(f"{value:g}" for value in values))

@@ -23,6 +23,8 @@ class SolverPage:
         The worst verdict in a sentence, in which known limits count by themselves.
     shares : tuple of Share
         Number of findings with each verdict; those on known limits count by themselves.
+    compare : str
+        Address of its comparison with another solver.
     choices, orders : tuple of Fact
         Choices of the scheme, and formal orders by quantity.
     variants : tuple of str
@@ -50,6 +52,7 @@ class SolverPage:
     mark: Mark
     sentence: str
     shares: tuple[Share, ...]
+    compare: str
     choices: tuple[Fact, ...]
     orders: tuple[Fact, ...]
     variants: tuple[str, ...]

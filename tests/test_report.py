@@ -37,6 +37,7 @@ from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, Self
 from mpmverify.problem import Discretisation, Periodic, Problem, Transport
 from mpmverify.reports import cards, charts, render
 from mpmverify.reports.catalogue_page import CataloguePage
+from mpmverify.reports.compare_page import ComparePage
 from mpmverify.reports.equations import mathml
 from mpmverify.reports.handbook_page import HandbookPage
 from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs, typeset_numbers
@@ -226,7 +227,7 @@ def broken_links(results: Results, known: dict[str, Page], name: str) -> list[st
     for link in known[name].links:
         target, _, anchor = link.partition("#")
         path = ((results.report / name).parent / target if target else results.report / name).resolve()
-        if link.startswith("https://doi.org/"):
+        if link.startswith(("https://doi.org/", "compare.html#a=")):  # these say what the page shows
             continue
         if not path.exists() or (
             anchor and unquote(anchor) not in known[path.relative_to(results.report.resolve()).as_posix()].ids
@@ -252,7 +253,7 @@ def test_pages_are_well_formed_with_unique_identifiers(stored: tuple[Results, li
 def test_every_link_has_a_target_and_every_resource_is_local(stored: tuple[Results, list]) -> None:
     results, _ = stored
     known = pages(results)
-    solvers = {"problems.html", "solvers.html", "solver-good.html", "solver-bad.html", "solver-crashed.html"}
+    solvers = {"problems.html", "solvers.html", "compare.html", "solver-good.html", "solver-bad.html", "solver-crashed.html"}
     assert {name for name in known if "/" not in name} == {"index.html", "sample.html", "second.html", "trust.html"} | solvers
     for name, page in known.items():
         assert not broken_links(results, known, name)
@@ -413,6 +414,7 @@ def test_a_copied_study_file_with_missing_series_links_to_its_own_page(tmp_path:
     render(results)
     assert {name for name in pages(results) if "/" not in name} == {
         "index.html",
+        "compare.html",
         "copy.html",
         "problems.html",
         "solvers.html",
@@ -551,7 +553,16 @@ def test_each_template_uses_exactly_the_fields_of_its_page() -> None:
             assert engine.loader is not None
             names |= meta.find_undeclared_variables(engine.parse(engine.loader.get_source(engine, part)[0]))
         assert names == {field.name for field in dataclasses.fields(kind)}, template
-    assert set(TEMPLATES) == {IndexPage, StudyPage, TrustPage, HandbookPage, SolverPage, SolversPage, CataloguePage}
+    assert set(TEMPLATES) == {
+        IndexPage,
+        StudyPage,
+        TrustPage,
+        HandbookPage,
+        SolverPage,
+        SolversPage,
+        ComparePage,
+        CataloguePage,
+    }
 
 
 def test_every_planted_fault_and_every_false_alarm_is_shown(stored: tuple[Results, list]) -> None:
@@ -630,7 +641,7 @@ def test_only_a_changed_study_is_rendered_and_the_page_of_a_removed_study_is_del
     render(fresh)
     after = stamps(fresh)
     changed = {Path(name).name for name in after if after[name] != before.get(name)}
-    solvers = {"problems.html", "solvers.html", "solver-good.html", "solver-bad.html"}
+    solvers = {"problems.html", "solvers.html", "compare.html", "solver-good.html", "solver-bad.html"}
     assert changed == {"second.html", "index.html", "manifest.json"} | solvers, "a page of a solver is made of all studies"
     fresh.study("second").unlink()
     render(fresh)

@@ -78,7 +78,7 @@ def report(tmp_path_factory):
 
 @pytest.mark.parametrize("window", ["1280,900", "390,800"])
 @pytest.mark.parametrize(
-    "name", ["index", "sample", "solvers", "solver-good", "solver-crashed", "problems", "trust", "handbook/verdicts"]
+    "name", ["index", "sample", "solvers", "solver-good", "solver-crashed", "compare", "problems", "trust", "handbook/verdicts"]
 )
 def test_a_page_opens_without_errors_and_draws_its_charts(report, tmp_path, name, window):
     found = acted(report / f"{name}.html", report, OPEN, tmp_path, window=window)
