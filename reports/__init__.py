@@ -10,13 +10,18 @@ and modification time of each file, without reading a dataset.
 """
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mpmverify.dataset.files import Results, set_aside
 from mpmverify.errors import DamagedError
 
 from .manifest import Manifest
 
-__all__ = ["render", "render_alone", "render_markdown", "render_pdf"]
+if TYPE_CHECKING:
+    from mpmverify.judgement.comparison import Comparison
+    from mpmverify.judgement.tables import Tables
+
+__all__ = ["render", "render_alone", "render_comparison", "render_markdown", "render_pdf"]
 
 
 def render(results: Results, *, fresh: bool = False) -> Path:
@@ -94,3 +99,29 @@ def render_alone(results: Results, study: str) -> Path:
     from .single import write
 
     return write(results, study)
+
+
+def render_comparison(comparison: "Comparison", tables: "tuple[Tables, Tables]", names: tuple[str, str], target: Path) -> Path:
+    """Write the comparison of two results folders as one file, without links to others, and return its path.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    tables : (Tables, Tables)
+        What was compared.
+    names : (str, str)
+        Names of the folders, for the page.
+    target : Path
+        File to write; an older page is replaced.
+
+    Raises
+    ------
+    ResultsError
+        If a file that is no page of mpmverify has this path, or it cannot be written.
+    """
+    from .changes_page import changes_page
+    from .single import write_alone
+    from .site import GENERATOR, make_way, render
+
+    make_way(target)
+    return write_alone(render(changes_page(comparison, *tables, names, GENERATOR)), target)

@@ -29,7 +29,20 @@ def write(results: Results, study: str) -> Path:
     return target
 
 
-def self_contained(page: str, folder: Path) -> str:
+def write_alone(page: str, target: Path) -> Path:
+    """Write a page that has no charts as one file that needs no other, and return its path.
+
+    Raises
+    ------
+    ResultsError
+        If the file cannot be written.
+    """
+    text = self_contained(page, Path(__file__).parent, charts=False)
+    write_atomic(target, lambda temporary: temporary.write_text(text, encoding="utf-8"), "choose another file")
+    return target
+
+
+def self_contained(page: str, folder: Path, *, charts: bool = True) -> str:
     """Put the assets of a page into it, and turn its links to other files into text.
 
     Parameters
@@ -38,6 +51,8 @@ def self_contained(page: str, folder: Path) -> str:
         HTML as the report writes it.
     folder : Path
         Folder of the page.
+    charts : bool
+        Whether the page needs the charting library.
     """
 
     def read(name: str) -> str:
@@ -52,7 +67,8 @@ def self_contained(page: str, folder: Path) -> str:
     # The charting library comes first: the script of the report uses it where it is there, and loads it as a file where not.
     first, *others = re.split(r'<script src="([^"]+\.js)"[^>]*></script>', page)
     pairs = zip(others[::2], others[1::2], strict=True)
-    return f"{first}{script('assets/plotly.min.js')}\n" + "".join(f"{script(name)}{rest}" for name, rest in pairs)
+    library = f"{script('assets/plotly.min.js')}\n" if charts else ""
+    return f"{first}{library}" + "".join(f"{script(name)}{rest}" for name, rest in pairs)
 
 
 def _picture(path: Path) -> str:

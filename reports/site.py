@@ -18,6 +18,7 @@ from mpmverify.errors import ResultsError
 from mpmverify.judgement.kill_table import SelfTest
 
 from .catalogue_page import CataloguePage, catalogue_page
+from .changes_page import ChangesPage
 from .compare_page import ComparePage, compare_page
 from .handbook_page import HandbookPage, handbook_pages
 from .index_page import index_page
@@ -35,7 +36,7 @@ SIGNATURE = b'<meta name="generator" content="mpmverify '
 BEGINNING = b'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n' + SIGNATURE
 END = b"</html>\n"
 """How every page begins, and how it ends unless it is cut off."""
-Page = IndexPage | StudyPage | TrustPage | SolverPage | SolversPage | ComparePage | CataloguePage | HandbookPage
+Page = IndexPage | StudyPage | TrustPage | SolverPage | SolversPage | ComparePage | ChangesPage | CataloguePage | HandbookPage
 TEMPLATES = {
     IndexPage: "index.html",
     StudyPage: "study.html",
@@ -43,6 +44,7 @@ TEMPLATES = {
     SolverPage: "solver.html",
     SolversPage: "solvers.html",
     ComparePage: "compare.html",
+    ChangesPage: "changes.html",
     CataloguePage: "problems.html",
     HandbookPage: "handbook.html",
 }
@@ -66,7 +68,7 @@ def write(results: Results, manifest: Manifest, known: Manifest) -> tuple[str, .
     """
     stale = manifest.stale(known, results)
     for name in (*stale, "index"):
-        _make_way(page(results, name))
+        make_way(page(results, name))
     runs = {path.stem for path in results.runs.glob("*.nc")}
     records = [read(results.study(name)) for name in sorted(manifest.studies)]
     _write_assets(results, manifest)
@@ -75,7 +77,7 @@ def write(results: Results, manifest: Manifest, known: Manifest) -> tuple[str, .
     whole |= solver_pages(records, runs, GENERATOR)
     whole[COMPARE] = compare_page(records, GENERATOR)
     for name in whole:
-        _make_way(page(results, name))
+        make_way(page(results, name))
     for record in records:
         if record.name in stale:
             _write(page(results, record.name), render(study_page(record, runs, GENERATOR)))
@@ -131,7 +133,7 @@ def cited(text: str) -> Markup:
     return Markup(re.sub(r"doi:(10\.\d+/[^\s,;]*[^\s,;.)])", r'<a href="https://doi.org/\1">doi:\1</a>', str(escape(text))))
 
 
-def _make_way(path: Path) -> None:
+def make_way(path: Path) -> None:
     """Check that a file is a page and may be written; one that is cut off, emptied or filled with zeros is set aside."""
     if not path.exists():
         return
@@ -139,7 +141,7 @@ def _make_way(path: Path) -> None:
     if not content.strip(b"\0") or BEGINNING.startswith(content) or (SIGNATURE in content[:2000] and not content.endswith(END)):
         set_aside(path)
     elif SIGNATURE not in content[:2000]:
-        raise ResultsError(f"'{path}' is not a page of an mpmverify report: move it away or choose another folder with --out")
+        raise ResultsError(f"'{path}' is not a page of an mpmverify report: move it away or choose another place")
 
 
 def _write(path: Path, text: str) -> None:

@@ -37,6 +37,7 @@ from mpmverify.judgement.kill_table import Fate, PlantedFault, Rate, Rates, Self
 from mpmverify.problem import Discretisation, Periodic, Problem, Transport
 from mpmverify.reports import cards, charts, render
 from mpmverify.reports.catalogue_page import CataloguePage
+from mpmverify.reports.changes_page import ChangesPage
 from mpmverify.reports.compare_page import ComparePage
 from mpmverify.reports.equations import mathml
 from mpmverify.reports.handbook_page import HandbookPage
@@ -561,6 +562,7 @@ def test_each_template_uses_exactly_the_fields_of_its_page() -> None:
         SolverPage,
         SolversPage,
         ComparePage,
+        ChangesPage,
         CataloguePage,
     }
 

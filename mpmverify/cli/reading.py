@@ -100,7 +100,10 @@ def report(out: Path, form: str, alone: str, open_: bool) -> None:
 @click.argument("before", metavar="A", type=Folder())
 @click.argument("after", metavar="B", type=Folder())
 @click.option("--explain", is_flag=True, help="Print every change.")
-def compare(before: Path, after: Path, explain: bool) -> None:
+@click.option(
+    "--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE", help="Write the comparison as a page here."
+)
+def compare(before: Path, after: Path, explain: bool, html: Path | None) -> None:
     """Say what became worse, slower, lost, new, faster or better from the results in A to those in B.
 
     Nothing is run: verdicts, errors, orders, steps and seconds are those in the files.
@@ -114,6 +117,10 @@ def compare(before: Path, after: Path, explain: bool) -> None:
     a, b = (read_tables(stored(path, ())) for path in (before, after))
     compared = comparison.compare(a, b)
     show_comparison(compared, explain=explain)
+    if html:
+        from mpmverify import reports
+
+        click.echo(f"Comparison: {reports.render_comparison(compared, (a, b), (str(before), str(after)), html)}")
     sys.exit(compared.exit_status)
 
 
