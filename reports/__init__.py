@@ -9,6 +9,7 @@ A page is rendered if it is missing, or if its study file or the code of the rep
 and modification time of each file, without reading a dataset.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,10 +22,12 @@ if TYPE_CHECKING:
     from mpmverify.judgement.comparison import Comparison
     from mpmverify.judgement.tables import Tables
 
+    from .benchmark_reader import Measured
+
 __all__ = ["render", "render_alone", "render_comparison", "render_markdown", "render_pdf"]
 
 
-def render(results: Results, *, fresh: bool = False) -> Path:
+def render(results: Results, *, fresh: bool = False, benchmarks: Sequence[Path] = ()) -> Path:
     """Write the report of a results folder; pages that are up to date are not rendered again.
 
     Parameters
@@ -32,6 +35,8 @@ def render(results: Results, *, fresh: bool = False) -> Path:
     results : Results
     fresh : bool
         Render every page, even if it is up to date.
+    benchmarks : sequence of Path
+        Files of pytest-benchmark, of which a page is made; a report that is made without them has no such page.
 
     Returns
     -------
@@ -42,8 +47,11 @@ def render(results: Results, *, fresh: bool = False) -> Path:
     ------
     ResultsError
         If a results file is foreign or damaged, or a page cannot be written. A damaged page or self-test is set aside.
+    UsageError
+        If a file of benchmarks is none of pytest-benchmark.
     """
-    manifest = Manifest.of(results)
+    measured = _measured(benchmarks)
+    manifest = Manifest.of(results, benchmarks)
     known = Manifest() if fresh else Manifest.read(results)
     if fresh or not manifest.describes(known, results):
         from mpmverify.dataset.selftest import read_selftest
@@ -55,9 +63,17 @@ def render(results: Results, *, fresh: bool = False) -> Path:
                 read_selftest(results.selftest)
         except DamagedError:  # cut off, or written before it held what the pages show
             set_aside(results.selftest)
-            manifest = Manifest.of(results)
-        manifest.write(results, known, write(results, manifest, known))
+            manifest = Manifest.of(results, benchmarks)
+        manifest.write(results, known, write(results, manifest, known, measured))
     return results.report / "index.html"
+
+
+def _measured(benchmarks: Sequence[Path]) -> "tuple[Measured, ...]":
+    if not benchmarks:
+        return ()
+    from .benchmark_reader import read_benchmarks
+
+    return read_benchmarks(benchmarks)
 
 
 def render_markdown(results: Results) -> Path:

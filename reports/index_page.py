@@ -13,8 +13,8 @@ from .record import Record
 from .solver_names import family, pages_of
 
 
-def index_page(records: Sequence[Record], generator: str, *, trust_page: bool = False) -> IndexPage:
-    """Make the index page from all studies; `trust_page` adds a link to the trust page."""
+def index_page(records: Sequence[Record], generator: str, further: Sequence[Link] = ()) -> IndexPage:
+    """Make the index page from all studies; `further` are links to pages that not every report has."""
     findings = [finding for record in records for finding in record.findings]
     places = {record.name: verdict_anchors(record) for record in records}
     judged = shares(findings)
@@ -27,7 +27,7 @@ def index_page(records: Sequence[Record], generator: str, *, trust_page: bool = 
             Link("Overview", "index.html", True),
             Link("Solvers", "solvers.html"),
             Link("Problems", "problems.html"),
-            *((Link("How far to trust this", "trust.html"),) if trust_page else ()),
+            *further,
         ),
         mark=mark(findings),
         headline=headline(findings, judged),

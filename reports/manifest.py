@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
@@ -22,6 +22,8 @@ PROBLEMS = "problems"
 """Name of the catalogue of the problems."""
 SOLVERS, SOLVER = "solvers", "solver-"
 """Name of the page that lists the solvers, and the beginning of the names of their own pages."""
+PERFORMANCE = "performance"
+"""Name of the page of the benchmarks."""
 COMPARE = "compare"
 """Name of the page that compares two solvers."""
 LIBRARIES = ("jinja2", "latex2mathml", "markdown-it-py", "plotly", "pygments")
@@ -51,6 +53,8 @@ class Manifest:
         File of the self-test, if there is one.
     handbook : mapping of str to str
         Digests of the files of the handbook, by their name.
+    benchmarks : tuple of str
+        Digests of the files of benchmarks.
     written : mapping of str to str
         Digests of the files of the report, by their path in its folder.
     """
@@ -59,6 +63,7 @@ class Manifest:
     studies: Mapping[str, Source] = field(default_factory=dict)
     selftest: Source | None = None
     handbook: Mapping[str, str] = field(default_factory=dict)
+    benchmarks: tuple[str, ...] = ()
     written: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
@@ -68,13 +73,14 @@ class Manifest:
             stored = json.loads(_path(results).read_text(encoding="utf-8"))
             studies = {name: Source(**entry) for name, entry in stored["studies"].items()}
             selftest = Source(**stored["selftest"]) if stored["selftest"] else None
-            return cls(stored["code"], studies, selftest, dict(stored["handbook"]), dict(stored["written"]))
+            benchmarks = tuple(map(str, stored["benchmarks"]))
+            return cls(stored["code"], studies, selftest, dict(stored["handbook"]), benchmarks, dict(stored["written"]))
         except (OSError, ValueError, TypeError, KeyError, AttributeError):
             return cls()
 
     @classmethod
-    def of(cls, results: Results) -> "Manifest":
-        """Make the manifest of an up-to-date report of the results.
+    def of(cls, results: Results, benchmarks: Sequence[Path] = ()) -> "Manifest":
+        """Make the manifest of an up-to-date report of the results and of files of benchmarks.
 
         Raises
         ------
@@ -88,12 +94,14 @@ class Manifest:
             TRUST: "the trust page",
             SOLVERS: "the list of solvers",
             COMPARE: "the comparison of solvers",
+            PERFORMANCE: "the page of the benchmarks",
             PROBLEMS: "the catalogue",
         }
         for study in studies:
             if name := taken.get(study, "the page of a solver" if study.startswith(SOLVER) else ""):
                 raise ResultsError(f"'{results.study(study)}' would overwrite {name} of the report: rename the study")
-        return cls(_code(), studies, selftest, {path.name: _digest(path) for path in handbook_files()})
+        texts = {path.name: _digest(path) for path in handbook_files()}
+        return cls(_code(), studies, selftest, texts, tuple(map(_digest, benchmarks)))
 
     def describes(self, known: "Manifest", results: Results) -> bool:
         """Whether the existing report, whose manifest is `known`, is up to date."""
@@ -135,10 +143,11 @@ class Manifest:
         known : Manifest
             Manifest of the report before.
         whole : collection of str
-            Names of the pages of the problems and solvers.
+            Names of the pages that are made of all studies or of no study: those of the problems, the solvers and the benchmarks.
         """
         required = {*self.pages(), "index", *whole}
-        before = {name.removesuffix(".html") for name in known.written if name.startswith(SOLVER) and name.endswith(".html")}
+        made = {name.removesuffix(".html") for name in known.written if name.endswith(".html")}
+        before = {name for name in made if name.startswith(SOLVER) or name == PERFORMANCE}
         for name in (known.pages().keys() | before) - required:
             page(results, name).unlink(missing_ok=True)
         for picture in known.pictures(results).keys() - self.pictures(results).keys():

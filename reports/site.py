@@ -3,7 +3,7 @@
 import dataclasses
 import importlib.util
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from functools import cache, partial
 from pathlib import Path
 
@@ -17,14 +17,16 @@ from mpmverify.dataset.selftest import read_selftest
 from mpmverify.errors import ResultsError
 from mpmverify.judgement.kill_table import SelfTest
 
+from .benchmark_reader import Measured
 from .catalogue_page import CataloguePage, catalogue_page
 from .changes_page import ChangesPage
 from .compare_page import ComparePage, compare_page
 from .handbook_page import HandbookPage, handbook_pages
 from .index_page import index_page
-from .manifest import COMPARE, HANDBOOK, PROBLEMS, SOLVERS, TRUST, Manifest, page
+from .manifest import COMPARE, HANDBOOK, PERFORMANCE, PROBLEMS, SOLVERS, TRUST, Manifest, page
 from .pages import IndexPage, StudyPage, TrustPage
 from .parts import Link
+from .performance_page import PerformancePage, performance_page
 from .reader import read
 from .solver_page import solver_pages
 from .solver_pages import SolverPage, SolversPage
@@ -36,7 +38,18 @@ SIGNATURE = b'<meta name="generator" content="mpmverify '
 BEGINNING = b'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n' + SIGNATURE
 END = b"</html>\n"
 """How every page begins, and how it ends unless it is cut off."""
-Page = IndexPage | StudyPage | TrustPage | SolverPage | SolversPage | ComparePage | ChangesPage | CataloguePage | HandbookPage
+Page = (
+    IndexPage
+    | StudyPage
+    | TrustPage
+    | SolverPage
+    | SolversPage
+    | ComparePage
+    | ChangesPage
+    | CataloguePage
+    | HandbookPage
+    | PerformancePage
+)
 TEMPLATES = {
     IndexPage: "index.html",
     StudyPage: "study.html",
@@ -47,19 +60,20 @@ TEMPLATES = {
     ChangesPage: "changes.html",
     CataloguePage: "problems.html",
     HandbookPage: "handbook.html",
+    PerformancePage: "performance.html",
 }
 PLOTLY = "plotly.min.js"
 ORIGIN = {"Written": "date_created", "Commit": "commit", "Tier": "tier", "Versions": "versions", "Platform": "platform"}
 """Attributes of the self-test file that the trust page shows, by label."""
 
 
-def write(results: Results, manifest: Manifest, known: Manifest) -> tuple[str, ...]:
+def write(results: Results, manifest: Manifest, known: Manifest, benchmarks: Sequence[Measured] = ()) -> tuple[str, ...]:
     """Write the pages that are stale beside the `known` report, the pages that are made of all studies, and the assets.
 
     Returns
     -------
     tuple of str
-        Names of the pages of the problems and solvers: only the studies tell them.
+        Names of the pages of the problems, solvers and benchmarks: only the studies tell them.
 
     Raises
     ------
@@ -76,6 +90,8 @@ def write(results: Results, manifest: Manifest, known: Manifest) -> tuple[str, .
     whole: dict[str, Page] = {PROBLEMS: catalogue_page(records, test.faults if test else (), GENERATOR)}
     whole |= solver_pages(records, runs, GENERATOR)
     whole[COMPARE] = compare_page(records, GENERATOR)
+    if benchmarks:
+        whole[PERFORMANCE] = performance_page(benchmarks, GENERATOR)
     for name in whole:
         make_way(page(results, name))
     for record in records:
@@ -86,7 +102,9 @@ def write(results: Results, manifest: Manifest, known: Manifest) -> tuple[str, .
     _write_handbook(results, manifest, stale)
     for name, content in whole.items():
         _write(page(results, name), render(content))
-    _write(page(results, "index"), render(index_page(records, GENERATOR, trust_page=manifest.selftest is not None)))
+    further = [Link("How far to trust this", f"{TRUST}.html")] if test else []
+    further += [Link("Performance", f"{PERFORMANCE}.html")] if benchmarks else []
+    _write(page(results, "index"), render(index_page(records, GENERATOR, further)))
     return tuple(whole)
 
 

@@ -44,6 +44,7 @@ from mpmverify.reports.handbook_page import HandbookPage
 from mpmverify.reports.notation import DASH, cell_size, interval, number, slugs, typeset_numbers
 from mpmverify.reports.overview import shares
 from mpmverify.reports.pages import IndexPage, StudyPage, TrustPage
+from mpmverify.reports.performance_page import PerformancePage
 from mpmverify.reports.record import Estimate, Profile
 from mpmverify.reports.record import Series as RecordSeries
 from mpmverify.reports.site import TEMPLATES, environment
@@ -564,6 +565,7 @@ def test_each_template_uses_exactly_the_fields_of_its_page() -> None:
         ComparePage,
         ChangesPage,
         CataloguePage,
+        PerformancePage,
     }
 
 

@@ -85,15 +85,24 @@ def gate(
     help="Pages in HTML, one page in Markdown for a pull request, or each page in PDF, which needs Chromium.",
 )
 @click.option("--self-contained", "alone", metavar="STUDY", default="", help="Write the page of STUDY as one HTML file.")
+@click.option(
+    "--benchmarks",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    multiple=True,
+    help="Add a page of a JSON file of pytest-benchmark; several give a history.",
+)
 @open_option
-def report(out: Path, form: str, alone: str, open_: bool) -> None:
+def report(out: Path, form: str, alone: str, benchmarks: tuple[Path, ...], open_: bool) -> None:
     """Render the report anew from the stored results alone."""
     from mpmverify.dataset.files import Results
 
     if alone and form != "html":
         raise UsageError("--self-contained writes HTML: leave --format out")
+    if benchmarks and form == "md":
+        raise UsageError("--benchmarks adds a page in HTML: leave --format md out")
     stored(out, ())
-    show_report(Results(out), form, alone, fresh=True, opened=open_)
+    show_report(Results(out), form, alone, benchmarks, fresh=True, opened=open_)
 
 
 @click.command(epilog="Exit status: 0 nothing is worse or lost, 1 something is, 2 usage.")

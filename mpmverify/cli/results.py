@@ -59,7 +59,15 @@ def stored(out: Path, names: Sequence[str]) -> list[Path]:
     return paths
 
 
-def show_report(results: "Results", form: str = "html", alone: str = "", *, fresh: bool = False, opened: bool = False) -> None:
+def show_report(
+    results: "Results",
+    form: str = "html",
+    alone: str = "",
+    benchmarks: Sequence[Path] = (),
+    *,
+    fresh: bool = False,
+    opened: bool = False,
+) -> None:
     """Render the report, print where it is, and open it in the browser when asked to.
 
     Parameters
@@ -69,6 +77,8 @@ def show_report(results: "Results", form: str = "html", alone: str = "", *, fres
         "html", "md" for one page in Markdown, or "pdf".
     alone : str
         Name of a study whose page is written as one file, too.
+    benchmarks : sequence of Path
+        Files of pytest-benchmark.
     fresh : bool
         Render every page, even if it is up to date.
     opened : bool
@@ -76,7 +86,7 @@ def show_report(results: "Results", form: str = "html", alone: str = "", *, fres
     """
     from mpmverify import reports
 
-    page = reports.render_markdown(results) if form == "md" else reports.render(results, fresh=fresh)
+    page = reports.render_markdown(results) if form == "md" else reports.render(results, fresh=fresh, benchmarks=benchmarks)
     if form == "pdf":
         page = reports.render_pdf(results)
     elif alone:
