@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from mpmverify.judgement.kill_table import Fate, PlantedFault
 
+from .bibliography import Bibliography, downloadable
 from .drawing import drawing
 from .equations import mathml
 from .notation import count
@@ -66,6 +67,8 @@ class CataloguePage:
     title, generator, root : str
     navigation : tuple of Link
     studies : tuple of CatalogueStudy
+    bibliography : Bibliography or None
+        Sources of all problems.
     origins : tuple of Origin
     """
 
@@ -74,6 +77,7 @@ class CataloguePage:
     root: str
     navigation: tuple[Link, ...]
     studies: tuple[CatalogueStudy, ...]
+    bibliography: Bibliography | None
     origins: tuple[Origin, ...]
 
 
@@ -94,6 +98,7 @@ def catalogue_page(records: Sequence[Record], faults: Sequence[PlantedFault], ge
         root="",
         navigation=(Link("Overview", "index.html"), Link("Solvers", "solvers.html"), Link("Problems", "problems.html", True)),
         studies=tuple(_study(record, faults) for record in records),
+        bibliography=downloadable((case.citation for record in records for case in record.cases), "problems"),
         origins=tuple(origin(record) for record in records),
     )
 

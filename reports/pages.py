@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from .bibliography import Bibliography
 from .cards import Card
 from .failures import Failure
 from .field_panel import FieldPanel
@@ -178,6 +179,8 @@ class StudyPage:
     rows : tuple of Row
     schemes : tuple of Scheme
     cases : tuple of CaseSection
+    bibliography : Bibliography or None
+        Sources of the problems and criteria.
     origins : tuple of Origin
         Provenance of this study.
     """
@@ -196,6 +199,7 @@ class StudyPage:
     rows: tuple[Row, ...]
     schemes: tuple[Scheme, ...]
     cases: tuple[CaseSection, ...]
+    bibliography: Bibliography | None
     origins: tuple[Origin, ...]
 
 

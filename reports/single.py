@@ -63,7 +63,7 @@ def self_contained(page: str, folder: Path, *, charts: bool = True) -> str:
 
     page = re.sub(r'<link rel="stylesheet" href="([^"]+)">', lambda link: f"<style>{read(link[1])}</style>", page)
     page = re.sub(r'<img([^>]*) src="([^":]+\.svg)"', lambda image: f'<img{image[1]} src="{_picture(folder / image[2])}"', page)
-    page = re.sub(r'<a\b[^>]*\bhref="(?!#|https?:)[^"]*"[^>]*>(.*?)</a>', r"<span>\1</span>", page, flags=re.DOTALL)
+    page = re.sub(r'<a\b[^>]*\bhref="(?!#|https?:|data:)[^"]*"[^>]*>(.*?)</a>', r"<span>\1</span>", page, flags=re.DOTALL)
     # The charting library comes first: the script of the report uses it where it is there, and loads it as a file where not.
     first, *others = re.split(r'<script src="([^"]+\.js)"[^>]*></script>', page)
     pairs = zip(others[::2], others[1::2], strict=True)

@@ -1,13 +1,14 @@
 """The page of a study."""
 
 import re
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any
 
 from mpmverify.convergence.verdict import Verdict
 
 from . import charts
+from .bibliography import downloadable
 from .dominance import maps, source_rows
 from .drawing import drawing
 from .equations import mathml
@@ -88,8 +89,15 @@ def study_page(record: Record, runs: Set[str], generator: str) -> StudyPage:
             Scheme(name, pages[name], scheme, _orders(formal.get(name, {}))) for name, scheme in record.schemes.items()
         ),
         cases=tuple(replace(section, field=panels.get(section.name)) for section in sections),
+        bibliography=downloadable(_sources(record), record.name),
         origins=(origin(record),),
     )
+
+
+def _sources(record: Record) -> Iterator[str]:
+    """Yield the texts that cite the sources of the problems and of the criteria."""
+    yield from (case.citation for case in record.cases)
+    yield from dict.fromkeys(finding.source for finding in record.judged)
 
 
 def _orders(formal: Any) -> str:

@@ -229,7 +229,9 @@ def broken_links(results: Results, known: dict[str, Page], name: str) -> list[st
     for link in known[name].links:
         target, _, anchor = link.partition("#")
         path = ((results.report / name).parent / target if target else results.report / name).resolve()
-        if link.startswith(("https://doi.org/", "compare.html#a=")):  # these say what the page shows
+        if link.startswith(
+            ("https://doi.org/", "compare.html#a=", "data:application/x-bibtex")
+        ):  # these say what the page shows
             continue
         if not path.exists() or (
             anchor and unquote(anchor) not in known[path.relative_to(results.report.resolve()).as_posix()].ids
