@@ -196,7 +196,7 @@ def test_a_changed_text_is_rendered_anew_and_the_page_of_a_removed_one_is_delete
     render(report)
     after = stamps(report)
     changed = {Path(name).name for name in after if after[name] != before[name]}
-    whole = {name for name in changed if name.startswith(("solver", "problems"))}
+    whole = {name for name in changed if name.startswith(("solver", "compare", "problems"))}
     assert changed - whole == {"speed.html", "index.html", "manifest.json"}, "besides the pages of all studies, always written"
     assert after[str(place / "index.html")] == before[str(place / "index.html")]
     (folder / "speed.md").unlink()
