@@ -8,6 +8,7 @@ from mpmverify.judgement.kill_table import Fate, PlantedFault
 from .bibliography import Bibliography, downloadable
 from .drawing import drawing
 from .equations import mathml
+from .motion import Motion, motion
 from .notation import count
 from .overview import case_anchors, origin
 from .parts import Link, Origin
@@ -31,6 +32,8 @@ class CatalogueProblem:
         MathML.
     drawing, legend : str
         SVG of the domain with its bodies, supports and loads, and the meaning of the symbols.
+    motion : Motion or None
+        The exact solution in motion, if it was kept at several times.
     solvers : tuple of Link
     faults : str
         The planted faults that it was the first to catch, in a sentence; "" if no self-test is at hand.
@@ -43,6 +46,7 @@ class CatalogueProblem:
     equations: tuple[str, ...]
     drawing: str
     legend: str
+    motion: Motion | None
     solvers: tuple[Link, ...]
     faults: str
 
@@ -67,6 +71,8 @@ class CataloguePage:
     title, generator, root : str
     navigation : tuple of Link
     studies : tuple of CatalogueStudy
+    moving : bool
+        Whether any picture moves.
     bibliography : Bibliography or None
         Sources of all problems.
     origins : tuple of Origin
@@ -77,6 +83,7 @@ class CataloguePage:
     root: str
     navigation: tuple[Link, ...]
     studies: tuple[CatalogueStudy, ...]
+    moving: bool
     bibliography: Bibliography | None
     origins: tuple[Origin, ...]
 
@@ -92,12 +99,14 @@ def catalogue_page(records: Sequence[Record], faults: Sequence[PlantedFault], ge
     generator : str
         Name and version of the program.
     """
+    studies = tuple(_study(record, faults) for record in records)
     return CataloguePage(
         title="Problems",
         generator=generator,
         root="",
         navigation=(Link("Overview", "index.html"), Link("Solvers", "solvers.html"), Link("Problems", "problems.html", True)),
-        studies=tuple(_study(record, faults) for record in records),
+        studies=studies,
+        moving=any(problem.motion for study in studies for problem in study.problems),
         bibliography=downloadable((case.citation for record in records for case in record.cases), "problems"),
         origins=tuple(origin(record) for record in records),
     )
@@ -127,6 +136,7 @@ def _problem(record: Record, case: Case, anchor: str, faults: Sequence[PlantedFa
         equations=tuple(mathml(latex) for latex in case.equations),
         drawing=svg,
         legend=legend,
+        motion=motion(record, case),
         solvers=tuple(Link(name, files[name]) for name in solvers),
         faults=_caught([f for f in faults if (f.study, f.case) == (record.name, case.name)]) if faults else "",
     )

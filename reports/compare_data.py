@@ -9,27 +9,44 @@ import numpy as np
 
 from mpmverify.judgement.findings import Finding
 
-from .conservation import balances, place
+from .conservation import Balance, balances, place
 from .cost import MEASURABLE, ROUND_OFF, modes_alone
 from .dossiers import Dossier, Entry, mark_of
 from .notation import NORM_NAMES, ladder
 from .overview import mark
-from .pairs import SAME_SIZE, compared_measures
+from .pairs import SAME_SIZE, Compared, measured
 from .record import Array, Measure
 from .scorecard import ORDER, STALL, accepted_orders, measured_order
 from .solver_names import choices
 from .strips import AXIS
 
-DIGITS = 7
-"""Significant digits of the numbers."""
+DIGITS, FEW = 7, 3
+"""Significant digits of the numbers that are computed with, and of those that are only shown."""
 
 
-def compare_data(known: Sequence[Dossier]) -> dict[str, Any]:
+class Words:
+    """Texts by number: a text that many entries share is stored once."""
+
+    def __init__(self) -> None:
+        self.numbers: dict[tuple[Any, ...], int] = {}
+
+    def number(self, *text: Any) -> int:
+        """Return the number of a text, which gets one if it has none."""
+        return self.numbers.setdefault(text, len(self.numbers))
+
+    def listed(self) -> list[list[Any]]:
+        """Return the texts in the order of their numbers."""
+        return [list(text) for text in self.numbers]
+
+
+def compare_data(known: Sequence[Dossier], compared: Compared) -> dict[str, Any]:
     """Return the data of all solvers.
 
     Parameters
     ----------
     known : sequence of Dossier
+    compared : mapping
+        What `pairs.compared_measures` returns.
 
     Returns
     -------
@@ -38,34 +55,56 @@ def compare_data(known: Sequence[Dossier]) -> dict[str, Any]:
         - `solvers`: name, page, family, worst verdict, choices;
         - `cases`: study, its title, case;
         - `series`: solver and case by number, ladder, axis, sizes, costs, and errors, orders and bands by measure;
-        - `judged`: verdicts of a solver on a case, with the link to them, its known limits, and its balances.
+        - `judged`: solver and case by number, the link to the verdicts, their numbers by word, the known limits, and the balances, as
+          [criterion, figure, mark] with numbers of `balances` and `marks`.
     """
     numbers = {dossier.solver: k for k, dossier in enumerate(known)}
-    cases: dict[tuple[str, str], int] = {}
-    titles: dict[str, str] = {}
-    measures: dict[tuple[str, str], tuple[Measure, ...]] = {}
+    cases, marks, kept, limits = Words(), Words(), Words(), Words()
     series, judged = [], []
     for dossier in known:
+        found = _balances(dossier)
         table: dict[int, list[Entry]] = {}
         for entry in dossier.entries:
-            where = entry.record.name, entry.series.case
-            if where not in cases:
-                cases[where], measures[where] = len(cases), compared_measures(entry.record, entry.series.case)
-                titles[entry.record.name] = str(entry.record.attributes["title"])
-            table.setdefault(cases[where], []).append(entry)
-            found = _series(entry, measures[where])
-            if found["measures"]:
-                series.append({"solver": numbers[dossier.solver], "case": cases[where]} | found)
-        judged += [
-            {"solver": numbers[dossier.solver], "case": case} | _judged(dossier, members) for case, members in table.items()
-        ]
+            case = cases.number(entry.record.name, str(entry.record.attributes["title"]), entry.series.case)
+            table.setdefault(case, []).append(entry)
+            if shown := measured(entry, compared):
+                series.append({"solver": numbers[dossier.solver], "case": case} | _series(entry, shown))
+        for case, entries in table.items():
+            findings = [mark_of(finding) for entry in entries for finding in entry.findings]
+            counts = Counter(marks.number(shown.kind, shown.text) for shown in findings)
+            known_limits = [
+                limits.number(ladder(finding.refinement), finding.criterion)
+                for entry in entries
+                for finding in entry.findings
+                if mark_of(finding).kind == "limit"
+            ]
+            figures = [
+                [
+                    kept.number(place(one.quantity), one.quantity, one.criterion, one.bound),
+                    _plain([one.figure], FEW)[0],
+                    marks.number(mark_of(one.finding).kind, mark_of(one.finding).text),
+                ]
+                for entry in entries
+                for one in found.get(id(entry), ())
+            ]
+            judged.append([numbers[dossier.solver], case, entries[0].href, list(counts.items()), known_limits, figures])
     return {
         "rules": {"roundOff": ROUND_OFF, "measurable": MEASURABLE, "sameSize": SAME_SIZE, "axis": AXIS},
         "solvers": [_solver(dossier) for dossier in known],
-        "cases": [{"study": study, "title": titles[study], "case": case} for study, case in cases],
+        "cases": [{"study": study, "title": title, "case": case} for study, title, case in cases.numbers],
+        "marks": marks.listed(),
+        "balances": kept.listed(),
+        "limits": limits.listed(),
         "series": series,
         "judged": judged,
     }
+
+
+def _balances(dossier: Dossier) -> dict[int, list[Balance]]:
+    table: dict[int, list[Balance]] = {}
+    for balance in balances(dossier):
+        table.setdefault(id(balance.entry), []).append(balance)
+    return table
 
 
 def _solver(dossier: Dossier) -> dict[str, Any]:
@@ -88,8 +127,8 @@ def _series(entry: Entry, measures: Sequence[Measure]) -> dict[str, Any]:
         "tells": bool(series.axis) and not modes_alone(series),
         "sizes": _plain(series.sizes),
         "seconds": _plain([level.seconds for level in series.levels]),
-        "steps": _plain([level.point_steps for level in series.levels]),
-        "measures": [_measure(entry, measure) for measure in measures if measure in series.estimates],
+        "steps": [level.point_steps for level in series.levels],
+        "measures": [_measure(entry, measure) for measure in measures],
     }
 
 
@@ -125,33 +164,6 @@ def _judgement(entry: Entry, measure: Measure) -> tuple[Mapping[str, Any] | None
     return None, None
 
 
-def _judged(dossier: Dossier, entries: Sequence[Entry]) -> dict[str, Any]:
-    findings = [finding for entry in entries for finding in entry.findings]
-    here = {id(entry) for entry in entries}
-    kept = [balance for balance in balances(dossier) if id(balance.entry) in here]
-    limits = [
-        {"ladder": ladder(finding.refinement), "criterion": finding.criterion}
-        for finding in findings
-        if mark_of(finding).kind == "limit"
-    ]
-    return {
-        "href": entries[0].href,
-        "verdicts": Counter(mark_of(finding).text for finding in findings),
-        "limits": limits,
-        "balances": [
-            {
-                "place": place(balance.quantity),
-                "quantity": balance.quantity,
-                "criterion": balance.criterion,
-                "figure": _plain([balance.figure])[0],
-                "bound": balance.bound,
-                "mark": [mark_of(balance.finding).kind, mark_of(balance.finding).text],
-            }
-            for balance in kept
-        ],
-    }
-
-
-def _plain(values: Sequence[float] | Array) -> list[float | None]:
+def _plain(values: Sequence[float] | Array, digits: int = DIGITS) -> list[float | None]:
     """Return numbers with a few digits; None stands for one that is not finite."""
-    return [float(f"{value:.{DIGITS - 1}e}") if math.isfinite(value) else None for value in np.asarray(values, float).tolist()]
+    return [float(f"{value:.{digits - 1}e}") if math.isfinite(value) else None for value in np.asarray(values, float).tolist()]

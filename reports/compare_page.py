@@ -8,9 +8,9 @@ from .compare_data import compare_data
 from .dossiers import Dossier, dossiers
 from .field_panel import escaped
 from .manifest import COMPARE, SOLVERS
-from .notation import DASH, count, number
+from .notation import count, number
 from .overview import origin
-from .pairs import Match, matches, middle, nearest, trials
+from .pairs import Compared, Match, compared_measures, matches, middle, nearest, trials
 from .parts import Link, Origin
 from .ratios import ratio_bar
 from .record import Record
@@ -31,8 +31,7 @@ class NearestRow:
     Parameters
     ----------
     solver : Link
-    reference : Link or None
-        None if no other solver ran any of its cases.
+    reference : Link
     href : str
         Address of their comparison.
     shared : str
@@ -44,7 +43,7 @@ class NearestRow:
     """
 
     solver: Link
-    reference: Link | None
+    reference: Link
     href: str
     shared: str
     error: str
@@ -64,6 +63,8 @@ class ComparePage:
     choices : tuple of Pickable
     rows : tuple of NearestRow
         What the page shows without scripts.
+    without : str
+        Number of solvers that have no reference, in a sentence; "" if all have one.
     data : str
         JSON of all series, escaped for use in HTML.
     origins : tuple of Origin
@@ -75,6 +76,7 @@ class ComparePage:
     navigation: tuple[Link, ...]
     choices: tuple[Pickable, ...]
     rows: tuple[NearestRow, ...]
+    without: str
     data: str
     origins: tuple[Origin, ...]
 
@@ -90,6 +92,8 @@ def compare_page(records: Sequence[Record], generator: str) -> ComparePage:
     """
     known = dossiers(records)
     families = dict.fromkeys(dossier.family for dossier in known)
+    compared = compared_measures(records)
+    rows = _rows(known, compared)
     return ComparePage(
         title="Compare two solvers",
         generator=generator,
@@ -103,8 +107,9 @@ def compare_page(records: Sequence[Record], generator: str) -> ComparePage:
         choices=tuple(
             Pickable(name, tuple(sorted(dossier.solver for dossier in known if dossier.family == name))) for name in families
         ),
-        rows=_rows(known),
-        data=escaped(compare_data(known)),
+        rows=rows,
+        without=_without(len(known) - len(rows)),
+        data=escaped(compare_data(known, compared)),
         origins=tuple(origin(record) for record in records),
     )
 
@@ -114,28 +119,32 @@ def comparison_of(first: str, second: str = "") -> str:
     return f"{COMPARE}.html#{urlencode({'a': first} | ({'b': second} if second else {}))}"
 
 
-def _rows(known: Sequence[Dossier]) -> tuple[NearestRow, ...]:
+def _rows(known: Sequence[Dossier], compared: Compared) -> tuple[NearestRow, ...]:
     table = {dossier.solver: dossier for dossier in known}
-    tried = {dossier.solver: tuple(trials(dossier)) for dossier in known}
-    rows = []
-    for dossier in sorted(known, key=lambda one: one.solver):
-        beside = table.get(nearest(dossier))
-        shared = matches(tried[dossier.solver], tried[beside.solver]) if beside else ()
-        rows.append(_row(dossier, beside, shared))
-    return tuple(rows)
+    tried = {dossier.solver: trials(dossier, compared) for dossier in known}
+    pairs = ((table[solver], table.get(nearest(tried[solver]))) for solver in sorted(table))
+    return tuple(
+        _row(dossier, beside, matches(tried[dossier.solver], tried[beside.solver])) for dossier, beside in pairs if beside
+    )
 
 
-def _row(dossier: Dossier, beside: Dossier | None, shared: Sequence[Match]) -> NearestRow:
+def _row(dossier: Dossier, beside: Dossier, shared: Sequence[Match]) -> NearestRow:
     error = middle([match.ratio for match in shared])
     time = middle([match.time.ratio for match in shared if match.time])
     work = middle([match.work.ratio for match in shared if match.work])
     return NearestRow(
         solver=Link(dossier.solver, dossier.file),
-        reference=Link(beside.solver, beside.file) if beside else None,
-        href=comparison_of(dossier.solver, beside.solver if beside else ""),
-        shared=count(len(shared)) if beside else DASH,
+        reference=Link(beside.solver, beside.file),
+        href=comparison_of(dossier.solver, beside.solver),
+        shared=count(len(shared)),
         error=number(error, 2),
         time=number(time, 2),
         work=number(work, 2),
         bar=ratio_bar(error, "median ratio of the errors"),
     )
+
+
+def _without(many: int) -> str:
+    if not many:
+        return ""
+    return f"{count(many)} solver{'s have' if many != 1 else ' has'} no reference: no other ran a series whose errors fall with a size."

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from statistics import median
@@ -10,8 +10,9 @@ from statistics import median
 from .cost import MEASURABLE, ROUND_OFF, SameError, at_same_error, modes_alone, places, reference
 from .dossiers import Dossier, Entry
 from .orders import first_measure
-from .record import Estimate, Measure, Record
+from .record import Estimate, Measure, Record, Series
 from .scorecard import ORDER, STALL
+from .solver_names import subject
 
 SAME_SIZE = 1e-9
 """Relative difference up to which two sizes are the same."""
@@ -64,25 +65,44 @@ class Match:
         return self.level[1] / self.level[2] if self.level else math.nan
 
 
-def compared_measures(record: Record, case: str) -> tuple[Measure, ...]:
-    """Return the measures in which series of a case are compared: those whose order is judged, and the one that is shown first."""
-    series = [entry for entry in record.series if entry.case == case]
-    judged = (
-        (str(criterion["quantity"]), str(criterion["norm"]))
-        for entry in series
-        for criterion in entry.criteria.values()
-        if criterion["type"] in (ORDER, STALL)
+Compared = Mapping[tuple[str, str], tuple[Measure, ...]]
+"""Measures in which series are compared, by (study, case)."""
+
+
+def compared_measures(records: Sequence[Record]) -> Compared:
+    """Return the measures in which series are compared: those whose order is judged, and the one that is shown first of a case."""
+    table: dict[tuple[str, str], tuple[Measure, ...]] = {}
+    for record in records:
+        members: dict[str, list[Series]] = {}
+        for series in record.series:
+            members.setdefault(series.case, []).append(series)
+        for case in record.cases:
+            mine = members.get(case.name, [])
+            judged = (
+                (str(criterion["quantity"]), str(criterion["norm"]))
+                for series in mine
+                for criterion in series.criteria.values()
+                if criterion["type"] in (ORDER, STALL)
+            )
+            shown = first_measure(mine, case.shown)
+            table[record.name, case.name] = tuple(dict.fromkeys([*judged, *([shown] if shown else [])]))
+    return table
+
+
+def measured(entry: Entry, compared: Compared) -> tuple[Measure, ...]:
+    """Return the measures in which a series is compared: it has errors in them that are above round-off, or an order is judged."""
+    series = entry.series
+    return tuple(
+        measure
+        for measure in compared.get((entry.record.name, series.case), ())
+        if measure in series.estimates
+        and (measure in series.bands or _largest(series.estimates[measure].error.tolist()) > ROUND_OFF)
     )
-    shown = first_measure(series, next(one.shown for one in record.cases if one.name == case))
-    return tuple(dict.fromkeys([*judged, *([shown] if shown else [])]))
 
 
-def trials(dossier: Dossier) -> Iterator[Trial]:
-    """Yield the series of a solver in every measure in which they are compared."""
-    for entry in dossier.entries:
-        for measure in compared_measures(entry.record, entry.series.case):
-            if measure in entry.series.estimates:
-                yield Trial(entry, measure)
+def trials(dossier: Dossier, compared: Compared) -> tuple[Trial, ...]:
+    """Return the series of a solver in every measure in which they are compared."""
+    return tuple(Trial(entry, measure) for entry in dossier.entries for measure in measured(entry, compared))
 
 
 def matches(first: Sequence[Trial], second: Sequence[Trial]) -> tuple[Match, ...]:
@@ -145,11 +165,11 @@ def middle(ratios: Sequence[float]) -> float:
     return math.exp(median(known)) if known else math.nan
 
 
-def nearest(dossier: Dossier) -> str:
-    """Return the solver that most cases name as the nearest reference of this one; "" if no other ran any of its cases."""
+def nearest(mine: Sequence[Trial]) -> str:
+    """Return the solver that most cases name as the nearest reference of one with these series; "" if no other ran any of its cases."""
+    first = {trial.place[:2]: trial for trial in reversed(mine)}
     named: Counter[str] = Counter()
-    for trial in trials(dossier):
-        series, record = trial.entry.series, trial.entry.record
-        if record.schemes.get(dossier.solver) and (beside := reference(record, series, trial.measure)):
-            named[beside.solver] += 1
+    for trial in first.values():
+        if beside := reference(trial.entry.record, trial.entry.series, trial.measure):
+            named[subject(beside.solver, trial.entry.record.schemes[beside.solver])] += 1
     return next((solver for solver, _ in named.most_common(1)), "")

@@ -21,7 +21,7 @@ from mpmverify.reports.compare_page import compare_page, comparison_of
 from mpmverify.reports.cost import at_same_error
 from mpmverify.reports.dossiers import dossiers
 from mpmverify.reports.notation import number, order
-from mpmverify.reports.pairs import matches, middle, nearest, trials
+from mpmverify.reports.pairs import compared_measures, matches, middle, nearest, trials
 from mpmverify.reports.ratios import ratio_bar
 from mpmverify.reports.reader import read
 from mpmverify.reports.record import Record
@@ -68,7 +68,7 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Record]
 def test_series_with_the_same_ladder_belong_together_else_the_first_with_the_same_axis(
     compared: tuple[Results, Record],
 ) -> None:
-    known = {one.solver: tuple(trials(one)) for one in dossiers([compared[1]])}
+    known = {one.solver: trials(one, compared_measures([compared[1]])) for one in dossiers([compared[1]])}
     pairs = matches(known["good"], known["rough"])
     assert [(match.first.entry.series.case, match.first.measure) for match in pairs] == [
         ("hill & dale", ("u", "L2")),
@@ -81,7 +81,7 @@ def test_series_with_the_same_ladder_belong_together_else_the_first_with_the_sam
 
 
 def test_the_ratio_of_errors_is_that_at_the_finest_common_size(compared: tuple[Results, Record]) -> None:
-    known = {one.solver: tuple(trials(one)) for one in dossiers([compared[1]])}
+    known = {one.solver: trials(one, compared_measures([compared[1]])) for one in dossiers([compared[1]])}
     match = matches(known["good"], known["rough"])[0]
     assert match.level is not None
     assert match.level[0] == 1 / 128
@@ -103,7 +103,8 @@ def test_errors_at_round_off_have_no_ratio(compared: tuple[Results, Record]) -> 
         )
         for series in record.series
     )
-    known = {one.solver: tuple(trials(one)) for one in dossiers([dataclasses.replace(record, series=tiny)])}
+    tiny_record = dataclasses.replace(record, series=tiny)
+    known = {one.solver: trials(one, compared_measures([tiny_record])) for one in dossiers([tiny_record])}
     for match in matches(known["good"], known["rough"]):
         assert (match.level, match.time, match.work) == (None, None, None)
 
@@ -144,8 +145,7 @@ def test_without_scripts_each_solver_stands_beside_its_nearest_reference(compare
     assert [row.solver.text for row in page.rows] == sorted(FACTORS)
     known = {one.solver: one for one in dossiers([record])}
     for row in page.rows:
-        assert row.reference is not None
-        assert row.reference.text == nearest(known[row.solver.text]) != row.solver.text
+        assert row.reference.text == nearest(trials(known[row.solver.text], compared_measures([record]))) != row.solver.text
     shown = Page(results.report / "compare.html")
     for row in page.rows:
         assert row.href in shown.links
@@ -168,8 +168,8 @@ def test_a_solver_that_nobody_shares_a_case_with_has_no_reference(tmp_path: Path
     results = Results(tmp_path)
     store(results, study(solvers=("good",)))
     render(results)
-    cells = Page(results.report / "compare.html").cells
-    assert "none: no other solver ran its cases" in cells
+    words = "".join(Page(results.report / "compare.html").text)
+    assert "1 solver has no reference: no other ran a series whose errors fall with a size." in words
     store(results, study("compare", ("good",)))
     with pytest.raises(ResultsError, match="rename the study"):
         render(results)
@@ -203,7 +203,7 @@ def looked(results: Results, profile: Path, act: str, window: str = "1280,900") 
 @pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
 def test_the_script_computes_the_ratios_that_the_report_computes(compared: tuple[Results, Record], tmp_path: Path) -> None:
     results, record = compared
-    known = {one.solver: tuple(trials(one)) for one in dossiers([record])}
+    known = {one.solver: trials(one, compared_measures([record])) for one in dossiers([record])}
     pairs = [(one, other) for one in FACTORS for other in FACTORS]
     steps = "".join(
         f"location.hash = {json.dumps(urlencode({'a': a, 'b': b}))}; await settle(); all.push(seen());" for a, b in pairs

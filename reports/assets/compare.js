@@ -5,7 +5,13 @@
   const SVG = "http://www.w3.org/2000/svg";
   const DASH = "–";
   const data = JSON.parse(document.querySelector("script.compared").textContent);
-  const { rules } = data;
+  const { rules, marks } = data;
+  const judgements = data.judged.map(([solver, where, href, counts, limits, figures]) => ({
+    ...{ solver, case: where, href },
+    verdicts: Object.fromEntries(counts.map(([mark, count]) => [marks[mark][1], count])),
+    limits: limits.map((k) => data.limits[k]),
+    balances: figures.map(([k, figure, mark]) => ({ number: k, figure, mark: marks[mark] })),
+  }));
   const SIDES = ["first", "second"];
   const LETTERS = ["A", "B"];
   const WORDS = [
@@ -335,9 +341,8 @@
     const table = new Map();
     judged.forEach((entries, k) => {
       for (const entry of entries.flatMap((one) => one.balances)) {
-        const key = `${entry.place}|${entry.criterion}`;
-        if (!table.has(key)) table.set(key, { ...entry, sides: [[], []] });
-        table.get(key).sides[k].push(entry);
+        if (!table.has(entry.number)) table.set(entry.number, [[], []]);
+        table.get(entry.number)[k].push(entry);
       }
     });
     const shown = (members, k) => {
@@ -349,8 +354,8 @@
       const note = make("span", { class: "of" }, ` ${count} of ${members.length} series`);
       return side(k, make("span", { class: "value" }, figures.length ? number(Math.max(...figures)) : DASH), " ", verdict(worst.mark), note);
     };
-    const rows = [...table.values()].sort((a, b) => a.place - b.place);
-    return rows.map(({ quantity, criterion, bound, sides }) =>
+    const rows = [...table].map(([k, sides]) => [...data.balances[k], sides]);
+    return rows.sort(([a], [b]) => a - b).map(([, quantity, criterion, bound, sides]) =>
       make(
         "tr",
         {},
@@ -366,7 +371,7 @@
     const table = new Map();
     judged.forEach((entries, k) => {
       for (const { case: where, href, limits: known } of entries) {
-        for (const { ladder, criterion } of known) {
+        for (const [ladder, criterion] of known) {
           if (!table.has(criterion)) table.set(criterion, [new Map(), new Map()]);
           const { study, case: name } = data.cases[where];
           table.get(criterion)[k].set(`${study}, ${name}, ${ladder}`, href);
@@ -448,7 +453,7 @@
     const pair = [first, second];
     const [mine, theirs] = pair.map(trials);
     const found = matched(mine, theirs);
-    const all = pair.map((solver) => data.judged.filter((entry) => entry.solver === solver));
+    const all = pair.map((solver) => judgements.filter((entry) => entry.solver === solver));
     const shared = [...new Set(all[0].map((entry) => entry.case))].filter((where) => all[1].some((entry) => entry.case === where));
     const judged = all.map((entries) => entries.filter((entry) => shared.includes(entry.case)));
     const hrefs = all.map((entries) => new Map(entries.map((entry) => [entry.case, entry.href])));
