@@ -143,6 +143,7 @@ def _of_field(field: Field, case: Case) -> Motion | None:
         f"{quantity.name}, {case.name}{part.words}",
         height,
         FIELD_SLOT,
+        kind=" field",
     )
 
 
@@ -152,7 +153,9 @@ def _exact(quantity: Quantity) -> Quantity:
     return Quantity(quantity.key, quantity.name, quantity.group, quantity.units, quantity.exact, quantity.exact, None)
 
 
-def _film(frames: Sequence[str], times: Sequence[float], telling: int, label: str, height: float, slot: float) -> Motion:
+def _film(
+    frames: Sequence[str], times: Sequence[float], telling: int, label: str, height: float, slot: float, kind: str = ""
+) -> Motion:
     """Put frames side by side; the style sheet moves them by one frame at a time, and holds them where motion is not wanted."""
     strip = "".join(
         f'<g transform="translate({k * WIDTH} 0)">{frame}<text x="{MARGIN:g}" y="11">t = {size(time)} s</text></g>'
@@ -164,7 +167,7 @@ def _film(frames: Sequence[str], times: Sequence[float], telling: int, label: st
     )
     name = escape(f"Exact {label}, t = {size(times[0])} to {size(times[-1])} s")
     svg = (
-        f'<svg class="motion" viewBox="0 0 {WIDTH} {height:.0f}" role="img" aria-label="{name}">'
+        f'<svg class="motion{kind}" viewBox="0 0 {WIDTH} {height:.0f}" role="img" aria-label="{name}">'
         f'<g class="film" style="{style}">{strip}</g></svg>'
     )
     return Motion(svg, f"Exact {label.partition(',')[0]}, {size(times[0])} to {size(times[-1])} s")

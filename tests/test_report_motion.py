@@ -103,7 +103,7 @@ def test_a_body_in_several_dimensions_moves_with_its_exact_positions(tmp_path: P
     assert "<script>" not in made.svg
     render(results)
     text = (results.report / "problems.html").read_text(encoding="utf-8")
-    assert text.count('<svg class="motion"') == 1
+    assert text.count('<svg class="motion field"') == 1
     assert "Hold all moving pictures" in text
     spatial = known.series[0].spatial
     assert spatial is not None
