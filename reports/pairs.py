@@ -14,8 +14,8 @@ from .record import Estimate, Measure, Record, Series
 from .scorecard import ORDER, STALL
 from .solver_names import subject
 
-SAME_SIZE = 1e-9
-"""Relative difference up to which two sizes are the same."""
+SAME_SIZE = 1e-6
+"""Relative difference up to which two sizes are the same: more than that of the rounded sizes on a page."""
 
 
 @dataclass(frozen=True)

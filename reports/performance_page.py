@@ -1,5 +1,6 @@
 """The page of the benchmarks: times by group, and the history of their ratios where several files are given."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -7,7 +8,7 @@ from .benchmark_reader import Benchmark, Measured
 from .manifest import PERFORMANCE
 from .notation import DASH, count, number, slugs
 from .parts import Fact, Link, Origin
-from .time_strips import axis, seconds, time_ruler, time_strip
+from .time_strips import axis, history_line, seconds, time_ruler, time_strip
 
 UNGROUPED = "Without a group"
 
@@ -43,10 +44,11 @@ class BenchmarkRow:
 
 @dataclass(frozen=True)
 class HistoryRow:
-    """Ratios of one benchmark to the fastest of its group in every file, and how its median changed on one machine."""
+    """Ratios of one benchmark to the fastest of its group in every file, also as SVG, and how its median changed on one machine."""
 
     name: str
     ratios: tuple[str, ...]
+    line: str
     change: str
 
 
@@ -205,15 +207,15 @@ def _row(benchmark: Benchmark, fastest: float, ends: tuple[float, float], *, alo
 
 
 def _history(benchmark: Benchmark, files: Sequence[Measured]) -> HistoryRow:
-    ratios, mine = [], []
+    ratios, mine = [], list[float]()
     for measured in files:
         found = next((one for one in measured.benchmarks if one.place == benchmark.place), None)
         group = [one.median for one in measured.benchmarks if found and one.group == found.group]
-        ratios.append(number(found.median / min(group), 3) if found and len(group) > 1 and min(group) > 0 else DASH)
+        ratios.append(found.median / min(group) if found and len(group) > 1 and min(group) > 0 else math.nan)
         if found and measured.machine == files[-1].machine:
             mine.append(found.median)
     change = f"× {number(mine[-1] / mine[0], 3)}" if len(mine) > 1 and mine[0] > 0 else DASH
-    return HistoryRow(benchmark.name, tuple(ratios), change)
+    return HistoryRow(benchmark.name, tuple(number(ratio, 3) for ratio in ratios), history_line(ratios), change)
 
 
 def _date(measured: Measured) -> str:

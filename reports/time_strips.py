@@ -7,6 +7,8 @@ from html import escape
 from .notation import number
 
 WIDTH, HEIGHT, MARGIN = 320.0, 22.0, 26.0
+HISTORY = 120.0
+"""Width of the picture of a history."""
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 
 Ends = tuple[float, float]
@@ -64,6 +66,33 @@ def time_ruler(ends: Ends) -> str:
         f'<text x="{_across(tick, ends):.1f}" y="11" text-anchor="middle">{seconds(tick, 1)}</text>' for tick in _ticks(ends)
     )
     return f'<svg class="strip ruler times" viewBox="0 0 {WIDTH:g} 14" aria-hidden="true">{numbers}</svg>'
+
+
+def history_line(ratios: Sequence[float]) -> str:
+    """Draw the ratios of one benchmark in several files, the oldest at the left, on a logarithmic axis of its own.
+
+    Parameters
+    ----------
+    ratios : sequence of float
+        NaN where a file has none.
+
+    Returns
+    -------
+    str
+        SVG; "" if fewer than two are known.
+    """
+    known = [(k, math.log(ratio)) for k, ratio in enumerate(ratios) if math.isfinite(ratio) and ratio > 0]
+    if len(known) < 2:
+        return ""
+    low, high = min(y for _, y in known), max(y for _, y in known)
+    room = max(high - low, math.log(1.1))  # a change of some percent is no cliff
+    middle = (low + high) / 2
+    places = [(6 + k / (len(ratios) - 1) * (HISTORY - 12), HEIGHT / 2 - (y - middle) / room * (HEIGHT - 10)) for k, y in known]
+    line = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in places)
+    end = f'<circle class="inside" cx="{places[-1][0]:.1f}" cy="{places[-1][1]:.1f}" r="3"/>'
+    name = escape(f"ratios {', '.join(number(ratio, 3) for ratio in ratios)}")
+    view = f'viewBox="0 0 {HISTORY:g} {HEIGHT:g}" role="img" aria-label="{name}"'
+    return f'<svg class="history-line times" {view}><path d="{line}"/>{end}</svg>'
 
 
 def _grid(ends: Ends) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+from browser import BROWSER, acted
 from click.testing import CliRunner, Result
 from hypothesis import given
 from hypothesis import strategies as st
@@ -22,7 +23,7 @@ from mpmverify.errors import ResultsError, UsageError
 from mpmverify.reports import render
 from mpmverify.reports.benchmark_reader import read_benchmarks
 from mpmverify.reports.performance_page import performance_page
-from mpmverify.reports.time_strips import MARGIN, WIDTH, axis, seconds, time_ruler, time_strip
+from mpmverify.reports.time_strips import HISTORY, MARGIN, WIDTH, axis, history_line, seconds, time_ruler, time_strip
 
 TIMES = st.floats(1e-12, 1e6)
 
@@ -265,6 +266,26 @@ def test_every_strip_of_a_time_stays_in_its_frame(a: float, b: float, c: float, 
         assert all(0 <= x <= WIDTH for x in places)
     assert time_ruler(ends).count("<text") >= 1
     assert MARGIN < WIDTH / 2
+
+
+@given(st.lists(st.one_of(st.floats(1e-3, 1e3), st.just(math.nan)), max_size=9))
+def test_a_history_stays_in_its_frame_and_needs_two_ratios(ratios: list[float]) -> None:
+    picture = history_line(ratios)
+    assert bool(picture) == (sum(map(math.isfinite, ratios)) > 1)
+    for x, y in re.findall(r"[ML](-?[\d.]+) (-?[\d.]+)", picture):
+        assert 0 <= float(x) <= HISTORY
+        assert 0 <= float(y) <= 22
+
+
+@pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+@pytest.mark.parametrize("window", ["1280,900", "390,800"])
+def test_the_page_opens_without_errors_and_does_not_scroll_sideways(results: Results, tmp_path: Path, window: str) -> None:
+    files = [stored(tmp_path / f"{k}.json", content(*PLAIN["benchmarks"], day=k)) for k in range(1, 7)]
+    assert report(results, *files).exit_code == 0
+    act = "return { wide: document.documentElement.scrollWidth - innerWidth };"
+    found = acted(results.report / "performance.html", results.report, act, tmp_path / "profile", window=window)
+    assert (found["faults"], found["missing"]) == ([], [])
+    assert found["wide"] <= 0
 
 
 @given(st.floats(1e-9, 900.0))

@@ -106,7 +106,7 @@
     const largest = Math.max(...pair.flatMap(({ measure }) => measure.errors.filter((error) => error !== null)), 0);
     let level = null;
     one.series.sizes.forEach((width, k) => {
-      const n = other.series.sizes.findIndex((near) => Math.abs(width - near) <= 1e-6 * width);
+      const n = other.series.sizes.findIndex((near) => Math.abs(width - near) <= rules.sameSize * width);
       const errors = [one.measure.errors[k], n < 0 ? null : other.measure.errors[n]];
       if (errors.every((error) => error !== null && error > 0) && (!level || width < level.size)) level = { size: width, errors };
     });
