@@ -66,12 +66,13 @@ class ChangeRow:
 
 @dataclass(frozen=True)
 class ChangeSection:
-    """Changes of one section; `compared` says of how many."""
+    """Changes of one section, with their number in words; `drawn` if its rows have strips."""
 
     anchor: str
     title: str
     note: str
     unfolded: bool
+    drawn: bool
     rows: tuple[ChangeRow, ...]
 
 
@@ -181,7 +182,7 @@ def _section(title: str, grouped: Sequence[tuple[Change, int]], tables: tuple[Ta
     total = sum(size for _, size in mine)
     note = f"{count(total)} change{'s' * (total != 1)}" if total else "none changed"
     anchor = title.lower().replace(" ", "-")
-    return ChangeSection(anchor, title, note, len(rows) <= UNFOLDED, rows)
+    return ChangeSection(anchor, title, note, len(rows) <= UNFOLDED, any(row.strips for row in rows), rows)
 
 
 def _row(change: Change, size: int, tables: tuple[Tables, Tables]) -> ChangeRow:
@@ -238,9 +239,9 @@ def _by(change: Change) -> str:
     if change.kind is Kind.ORDER:
         return order(-change.size if change.direction is Direction.WORSE else change.size)
     then, now = change.before, change.after
-    if not (isinstance(then, int | float) and isinstance(now, int | float) and then and math.isfinite(now / then)):
+    ratio = _ratio(then, now) if isinstance(then, int | float) and isinstance(now, int | float) else math.nan
+    if not math.isfinite(ratio):
         return ""
-    ratio = now / then
     if ratio >= 2 or ratio <= 0.5:
         return f"× {number(ratio, 3)}"
     return f"{'+' if ratio > 1 else ''}{number(100 * (ratio - 1), 3)} %"
@@ -251,10 +252,9 @@ def _errors(before: Tables, after: Tables) -> Iterator[float]:
     table: dict[tuple[SeriesKey, str], float] = {}
     for (series, level, name), (then, _) in before.errors.items():
         now, _ = after.errors.get((series, level, name), (math.nan, 0.0))
-        if then > 0 and now > 0 and math.isfinite(now / then):
-            ratio = now / then
-            if abs(math.log(ratio)) >= abs(math.log(table.get((series, name), 1.0))):
-                table[series, name] = ratio
+        ratio = _ratio(then, now)
+        if math.isfinite(ratio) and abs(math.log(ratio)) >= abs(math.log(table.get((series, name), 1.0))):
+            table[series, name] = ratio
     yield from table.values()
 
 
@@ -276,4 +276,10 @@ def _sums(before: Tables, after: Tables, cost: str) -> Iterator[float]:
             sums = table.setdefault((key[0].study, key[0].solver), [0.0, 0.0])
             sums[0] += getattr(then, cost)
             sums[1] += getattr(now, cost)
-    yield from (now / then for then, now in table.values() if then > 0 and now > 0)
+    yield from filter(math.isfinite, (_ratio(then, now) for then, now in table.values()))
+
+
+def _ratio(then: float, now: float) -> float:
+    """Return the ratio of two numbers, NaN unless it and both of them are positive and finite."""
+    known = then > 0 and now > 0 and math.isfinite(then) and math.isfinite(now)
+    return now / then if known and 0 < now / then < math.inf else math.nan

@@ -11,6 +11,8 @@ from .parts import Fact, Link, Origin
 from .time_strips import axis, history_line, seconds, time_ruler, time_strip
 
 UNGROUPED = "Without a group"
+UNFOLDED = 12
+"""Largest number of rows of a history that is open at first."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ class HistoryRow:
 
 @dataclass(frozen=True)
 class BenchmarkGroup:
-    """A group of benchmarks, with the axis of its times; `history` is empty if there is one file."""
+    """A group of benchmarks, with the axis of its times; `history` is empty if there is one file, and `unfolded` if it is short."""
 
     anchor: str
     title: str
@@ -62,6 +64,7 @@ class BenchmarkGroup:
     ruler: str
     rows: tuple[BenchmarkRow, ...]
     history: tuple[HistoryRow, ...]
+    unfolded: bool
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,10 @@ class PerformancePage:
         The oldest first.
     machines : tuple of Fact
         Machines by letter, if there are several.
+    changed : str
+        Title of the column of changed medians.
+    made_from : str
+        What the page is made from.
     origins : tuple of Origin
         None: the page is made of no study.
     """
@@ -107,6 +114,8 @@ class PerformancePage:
     groups: tuple[BenchmarkGroup, ...]
     files: tuple[BenchmarkFile, ...]
     machines: tuple[Fact, ...]
+    changed: str
+    made_from: str
     origins: tuple[Origin, ...] = ()
 
 
@@ -144,6 +153,8 @@ def performance_page(files: Sequence[Measured], generator: str) -> PerformancePa
         groups=groups,
         files=tuple(BenchmarkFile(one.file, _date(one), letters[one.machine], one.commit or DASH) for one in files),
         machines=tuple(Fact(letters[one], str(one) or "not stated") for one in machines) if len(machines) > 1 else (),
+        changed="Median, last to first" + (f" on machine {letters[last.machine]}" if len(machines) > 1 else ""),
+        made_from="a file of pytest-benchmark" if len(files) == 1 else f"{len(files)} files of pytest-benchmark",
     )
 
 
@@ -184,7 +195,7 @@ def _group(name: str, anchor: str, files: Sequence[Measured]) -> BenchmarkGroup:
     many = len(mine)
     note = f"{count(many)} benchmark{'s' * (many != 1)}"
     history = tuple(_history(one, files) for one in mine) if len(files) > 1 else ()
-    return BenchmarkGroup(anchor, name or UNGROUPED, note, time_ruler(ends), rows, history)
+    return BenchmarkGroup(anchor, name or UNGROUPED, note, time_ruler(ends), rows, history, len(history) <= UNFOLDED)
 
 
 def _row(benchmark: Benchmark, fastest: float, ends: tuple[float, float], *, alone: bool) -> BenchmarkRow:

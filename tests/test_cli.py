@@ -45,7 +45,7 @@ def bench(monkeypatch):
     for name, declared in STUDIES.items():
         monkeypatch.setitem(sys.modules, f"mpmverify.studies.{name}", SimpleNamespace(STUDY=declared))
     monkeypatch.setattr(pool, "over_processes", lambda tasks, jobs, timeout: pool.inline(tasks))
-    monkeypatch.setattr(reports, "render", lambda results, fresh=False: results.report / "index.html")
+    monkeypatch.setattr(reports, "render", lambda results, **_: results.report / "index.html")
 
 
 def call(*arguments, **environment):
@@ -333,7 +333,7 @@ def test_a_file_without_permission_is_named(out, tmp_path, monkeypatch):
 
 
 def test_verdicts_are_shown_even_if_the_report_cannot_be_written(tmp_path, monkeypatch):
-    def foreign(results, fresh=False):
+    def foreign(results, **_):
         raise ResultsError("'index.html' is not ours: move it away")
 
     monkeypatch.setattr(reports, "render", foreign)
