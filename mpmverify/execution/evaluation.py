@@ -102,7 +102,7 @@ class Evaluated:
     ----------
     level : Level
     snapshots : Snapshots or None
-        Fields and histories for the pages, of a task that is `shown`.
+        What the pages show, of a task that is `shown`.
     solved : bool
         Whether the run was solved now, and not read back.
     seconds : float
@@ -163,7 +163,7 @@ def evaluate(task: Task) -> Evaluated:
     """
     started = time.perf_counter()
     evaluated = read_back(task) or _solved(task)
-    if task.results and evaluated.run:
+    if task.results:
         evaluated = stored(task, evaluated)
     return dataclasses.replace(evaluated, seconds=time.perf_counter() - started)
 
@@ -188,7 +188,7 @@ def _solved(task: Task) -> Evaluated:
 
 
 def stored(task: Task, evaluated: Evaluated) -> Evaluated:
-    """Write the run of a result that has it, and return the result without it.
+    """Write the run of a result, if it has one, and return the result without it.
 
     Raises
     ------
@@ -279,8 +279,7 @@ def _excerpt(task: Task, solution: Solution) -> Solution:
     most = SHOWN_OUTPUTS[task.problem.problem.dimension]
     if task.problem.problem.dimension > 1:
         most = min(most, max(1, KEPT_POINTS // max(len(solution.reference), 1)))
-    outputs = _spread(len(solution.time), most)
-    return solution.excerpt(outputs, _spread(len(solution.histories["time"]), SHOWN_SAMPLES))
+    return solution.excerpt(_spread(len(solution.time), most), _spread(len(solution.histories["time"]), SHOWN_SAMPLES))
 
 
 def _snapshots(task: Task, kept: Solution) -> Snapshots:
