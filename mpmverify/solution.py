@@ -213,6 +213,9 @@ class Solver(Protocol):
 
     A solver whose error has another order on coarse levels, until the term of the formal order dominates, may have an attribute
     `coarse_orders`: that order by quantity. What it declares then holds when the measured order lies between the two.
+
+    A solver that does not compute in double precision may have an attribute `round_off`: the relative error that rounding causes, such
+    as 1e-6. Orders are then judged by the levels whose errors lie above it, and what is conserved is kept to it.
     """
 
     @property

@@ -254,6 +254,46 @@ def test_a_solver_may_declare_another_order_of_coarse_levels():
     assert verdicts(Falling()) == {"order of u in L2-max in [0.85, 2.65]": Verdict.PASS, "mass conserved": Verdict.PASS}
 
 
+@dataclass(frozen=True)
+class Rounding(Plain):
+    """Second order down to the rounding of single precision, where its error rises again."""
+
+    told: float = 1e-12
+
+    @property
+    def round_off(self):
+        return self.told
+
+    @property
+    def conserves(self):
+        return frozenset({"mass"})
+
+    def solve(self, problem, discretisation):
+        h = discretisation.h
+        return transported(problem, discretisation, 0.1 * h**2 + 2e-7 * (1 + np.sin(50 / h)))
+
+
+def test_a_solver_may_declare_the_rounding_of_single_precision():
+    """Its order is judged above the rounding, and what it conserves to it; at the rounding of double precision it has none."""
+    judged = verify(Rounding(told=5e-6), HILL, refinement=ladder(8))
+    assert {f.criterion: f.verdict for f in judged} == {
+        "order of u in L2-max in [1.85, 2.15] above 5e-06": Verdict.PASS,
+        "mass conserved": Verdict.PASS,
+    }
+    assert "at round-off" in judged[0].reason
+    (untold, _) = verify(Rounding(), HILL, refinement=ladder(8))
+    assert untold.verdict is not Verdict.PASS
+    (bound,) = {c.bound for c in expectations(Rounding(told=5e-6), HILL.cases[0].problem, "L2-max") if isinstance(c, Balance)}
+    assert bound == 5e-6
+
+
+def test_rounding_hides_no_error_of_a_percent():
+    with pytest.raises(UsageError, match=r"declares the round-off 0\.01: it must be a relative error up to 0\.0001"):
+        verify(Rounding(told=0.01), HILL)
+    with pytest.raises(UsageError, match=r"a relative error of 0\.01 is not round-off: give at most 0\.0001"):
+        Order("u", "L2", 1.9, 2.1, "", 0.01)
+
+
 def test_a_case_may_know_that_its_orders_scatter():
     (case,) = HILL.cases
     scattered = replace(HILL, cases=(replace(case, margin=0.3),))

@@ -9,6 +9,7 @@ from typing import Any
 
 from mpmverify.adapters.executable import Executable
 from mpmverify.adapters.files import Files, read_index
+from mpmverify.criteria.errors import LARGEST_ROUND_OFF
 from mpmverify.errors import UsageError
 from mpmverify.problem.quantities import UNITS
 
@@ -111,6 +112,10 @@ TYPES: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "coarse_orders": (
         _orders,
         f"a table of the order on coarse levels of some of {', '.join(UNITS)}",
+    ),
+    "round_off": (
+        lambda value: _number(value) and value <= LARGEST_ROUND_OFF,
+        f"a relative error up to {LARGEST_ROUND_OFF:g}, such as 1e-6 of single precision",
     ),
     "conserves": (lambda value: _texts(value) and set(value) <= set(INVARIANTS), f"a list of {', '.join(INVARIANTS)}"),
     "command": (lambda value: _text(value) or _texts(value), "a command line, or a list of its parts"),

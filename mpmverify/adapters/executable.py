@@ -13,6 +13,7 @@ from pathlib import Path
 
 from mpmverify.adapters.deck import Deck
 from mpmverify.adapters.result import read_result
+from mpmverify.convergence import ROUND_OFF
 from mpmverify.errors import UsageError
 from mpmverify.problem import Discretisation, Problem
 from mpmverify.solution import RunError, Solution, Status
@@ -31,7 +32,7 @@ class Executable:
     ----------
     bench : Path
         The file that describes it. Paths are relative to its folder; the files of a run that fails are kept in `<name>-failed` there.
-    name, orders, coarse_orders, conserves
+    name, orders, coarse_orders, conserves, round_off
         See `Solver`.
     command : tuple of str
         Program and arguments; one that is the name of a file beside `bench` stands for it.
@@ -64,6 +65,7 @@ class Executable:
     time_limit: float = 600.0
     memory_limit: float = 0.0
     coarse_orders: Mapping[str, float] = field(default_factory=dict)
+    round_off: float = ROUND_OFF
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
         """Write the problem, run the program, and read its result.

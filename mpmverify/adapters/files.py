@@ -10,6 +10,7 @@ from typing import Any
 from mpmverify.adapters.deck import Deck
 from mpmverify.adapters.result import read_result
 from mpmverify.atomic import write_atomic
+from mpmverify.convergence import ROUND_OFF
 from mpmverify.errors import UsageError
 from mpmverify.execution.keys import digest
 from mpmverify.problem import Discretisation, Problem, components
@@ -28,7 +29,7 @@ class Files:
     ----------
     bench : Path
         The file that describes it.
-    name, orders, coarse_orders, conserves
+    name, orders, coarse_orders, conserves, round_off
         See `Solver`.
     problems : Path
         Index of the exported problems, which `export` wrote.
@@ -49,6 +50,7 @@ class Files:
     histories: str = ""
     columns: Mapping[str, str] = field(default_factory=dict)
     coarse_orders: Mapping[str, float] = field(default_factory=dict)
+    round_off: float = ROUND_OFF
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
         """Read the result of a run.

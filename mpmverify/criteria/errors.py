@@ -11,8 +11,12 @@ from mpmverify.criteria.bounds import finite_and_non_negative, judge_largest
 from mpmverify.criteria.criterion import OnLimits, Setting
 from mpmverify.criteria.evidence import Evidence
 from mpmverify.criteria.norms import NORMS
+from mpmverify.errors import UsageError
 from mpmverify.problem import UNITS, Block
 from mpmverify.solution import Solution
+
+LARGEST_ROUND_OFF = 1e-4
+"""Largest relative error that may be called round-off: single precision has 6e-8, which many steps add up."""
 
 
 class ErrorCriterion:
@@ -32,6 +36,13 @@ class Order(ErrorCriterion):
     low, high : float
         Accepted band of orders in the refined size.
     source : str
+    round_off : float
+        Relative error at and below which round-off hides the order; larger for a code in single precision.
+
+    Raises
+    ------
+    UsageError
+        If `round_off` is negative, or above `LARGEST_ROUND_OFF`.
     """
 
     quantity: str
@@ -39,13 +50,21 @@ class Order(ErrorCriterion):
     low: float
     high: float
     source: str
+    round_off: float = ROUND_OFF
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.round_off <= LARGEST_ROUND_OFF:
+            raise UsageError(
+                f"a relative error of {self.round_off:g} is not round-off: give at most {LARGEST_ROUND_OFF:g}, as in single precision"
+            )
 
     @property
     def title(self) -> str:
-        return f"order of {self.quantity} in {self.norm} in [{self.low:g}, {self.high:g}]"
+        above = "" if self.round_off == ROUND_OFF else f" above {self.round_off:g}"
+        return f"order of {self.quantity} in {self.norm} in [{self.low:g}, {self.high:g}]{above}"
 
     def judge(self, evidence: Evidence) -> Judgement:
-        series = evidence.convergence(self.quantity, self.norm, (self.low, self.high))
+        series = evidence.convergence(self.quantity, self.norm, (self.low, self.high), self.round_off)
         if series is None:
             return Verdict.INCONCLUSIVE, evidence.axis.note
         verdict, reason = judge_order(series, self.low, self.high)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmverify.convergence import Convergence, analyse
+from mpmverify.convergence import ROUND_OFF, Convergence, analyse
 from mpmverify.convergence import axis as axes
 from mpmverify.convergence.sources import Separation, separate
 from mpmverify.criteria.metrics import Metrics
@@ -164,12 +164,14 @@ class Evidence:
         size = np.where(np.isfinite(self.reference[quantity][:, k]), self.reference[quantity][:, k], np.nan)
         return self.error[quantity][:, k] / np.where(size == 0, 1.0, size)
 
-    def convergence(self, quantity: str, norm: str, expected: tuple[float, float] | None = None) -> Convergence | None:
+    def convergence(
+        self, quantity: str, norm: str, expected: tuple[float, float] | None = None, round_off: float = ROUND_OFF
+    ) -> Convergence | None:
         """Analyse one relative error over the refined size; None for a design, which has no single order."""
         size = self.axis.size
         if not size:
             return None
-        return analyse(self.sizes[size], self.relative(quantity, norm), expected=expected, size=size)
+        return analyse(self.sizes[size], self.relative(quantity, norm), expected=expected, round_off=round_off, size=size)
 
     def separation(self, sizes: tuple[str, ...], quantity: str, norm: str) -> Separation:
         """Separate the sources of one relative error.

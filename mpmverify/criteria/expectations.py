@@ -6,8 +6,10 @@ from numbers import Real
 
 import numpy as np
 
+from mpmverify.convergence import ROUND_OFF
 from mpmverify.criteria import Balance, Order
 from mpmverify.criteria.criterion import Criterion
+from mpmverify.criteria.errors import LARGEST_ROUND_OFF
 from mpmverify.errors import UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.problem import UNITS, Inflow, Outflow, Transport
@@ -97,7 +99,11 @@ def expectations(solver: Solver, problem: VerificationProblem, norm: str, margin
         raise UsageError(
             f"solver {solver.name!r} declares that it conserves the unknown {unknown[0]!r}: choose from {', '.join(INVARIANTS)}"
         )
-    coarse = getattr(solver, "coarse_orders", {})
+    coarse, round_off = getattr(solver, "coarse_orders", {}), getattr(solver, "round_off", ROUND_OFF)
+    if not isinstance(round_off, Real) or not 0 <= round_off <= LARGEST_ROUND_OFF:
+        raise UsageError(
+            f"solver {solver.name!r} declares the round-off {round_off!r}: it must be a relative error up to {LARGEST_ROUND_OFF:g}"
+        )
     declared = {
         quantity: sorted((order, coarse.get(quantity, order)))
         for quantity, order in solver.orders.items()
@@ -109,23 +115,26 @@ def expectations(solver: Solver, problem: VerificationProblem, norm: str, margin
             f"{problem.problem.name!r}: declare an order, or give criteria"
         )
     return (
-        *(_order(quantity, low, high, problem, norm, margin) for quantity, (low, high) in declared.items()),
+        *(_order(quantity, low, high, problem, norm, margin, float(round_off)) for quantity, (low, high) in declared.items()),
         *(
-            Balance(invariant, source, f"declared by {solver.name}")
+            Balance(invariant, source, f"declared by {solver.name}", max(Balance.bound, float(round_off)))
             for invariant, source in _sources(problem).items()
             if invariant in solver.conserves
         ),
     )
 
 
-def _order(quantity: str, least: float, most: float, problem: VerificationProblem, norm: str, margin: float) -> Order:
+def _order(
+    quantity: str, least: float, most: float, problem: VerificationProblem, norm: str, margin: float, round_off: float
+) -> Order:
     derivatives = _derivatives(quantity, problem)
     low, high = round(order_band(least, derivatives, margin)[0], 3), round(order_band(most, derivatives, margin)[1], 3)
     order = f"order {least:g}" if least == most else f"an order from {least:g} to {most:g}"
     declared = f"the solver declares {order} of {quantity} on smooth data"
     if math.isinf(derivatives):
-        return Order(quantity, norm, low, high, f"{declared}; where it is better than that on this problem, give criteria")
-    return Order(quantity, norm, low, high, f"{declared}; here s = {derivatives:g}; {THEORY}")
+        better = "where it is better than that on this problem, give criteria"
+        return Order(quantity, norm, low, high, f"{declared}; {better}", round_off)
+    return Order(quantity, norm, low, high, f"{declared}; here s = {derivatives:g}; {THEORY}", round_off)
 
 
 def _derivatives(quantity: str, problem: VerificationProblem) -> float:

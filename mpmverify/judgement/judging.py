@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from mpmverify.convergence import Convergence
+from mpmverify.convergence import ROUND_OFF, Convergence
 from mpmverify.convergence.sources import Separation
-from mpmverify.criteria import Separated
+from mpmverify.criteria import Order, Separated
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import Evidence, SeriesId
 from mpmverify.criteria.norms import NORMS
@@ -42,7 +42,7 @@ class Judged:
     @cached_property
     def fits(self) -> Mapping[SeriesId, Fits]:
         """Analysis of each error; empty for a design, which has no single order."""
-        return {series: _fits(self.evidence[series]) for series in self.by_series}
+        return {series: _fits(self.declared.get(series, ()), self.evidence[series]) for series in self.by_series}
 
     @cached_property
     def separations(self) -> Mapping[SeriesId, tuple[tuple[Separated, Separation], ...]]:
@@ -116,8 +116,13 @@ def _findings(
     return tuple(findings)
 
 
-def _fits(seen: Evidence) -> Fits:
-    found = {(quantity, norm): seen.convergence(quantity, norm) for quantity in seen.error for norm in NORMS}
+def _fits(criteria: Sequence[Criterion], seen: Evidence) -> Fits:
+    told = {one.quantity: one.round_off for one in criteria if isinstance(one, Order)}
+    found = {
+        (quantity, norm): seen.convergence(quantity, norm, round_off=told.get(quantity, ROUND_OFF))
+        for quantity in seen.error
+        for norm in NORMS
+    }
     return {measure: series for measure, series in found.items() if series}
 
 
