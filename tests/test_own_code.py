@@ -1,6 +1,7 @@
 """Solvers and studies of one's own on the command line: FILE.py:NAME and MODULE:NAME."""
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -69,7 +70,7 @@ def run(*arguments: str):
 def test_a_solver_in_a_file_gets_verdicts_a_file_and_a_page_beside_a_shipped_one(folder):
     result = run("run", "axial-vibration", "large-deformation", "--with", f"{folder.name}:Leapfrog", "--jobs", "1")
     assert result.exit_code == 0, result.output
-    assert "Left out: large-deformation, bar: solver 'leapfrog' cannot solve" in result.output
+    assert "Left out: large-deformation, bar; " in result.output
     stored = json.loads(Path("results/verdicts.json").read_text(encoding="utf-8"))["studies"]
     assert list(stored) == ["axial-vibration-with-leapfrog"]
     findings = stored["axial-vibration-with-leapfrog"]["findings"]
@@ -165,3 +166,29 @@ def test_a_solver_that_is_run_beside_itself_is_run_once():
     shipped = study.cases[0].series[0].solver
     case = study.cases[0].with_solver(shipped)
     assert [series.solver for series in case.series] == [shipped]
+
+
+def test_a_solver_of_an_installed_package_is_known_by_its_name(folder):
+    """Two packages with the same name for a solver are one too many."""
+    declare(folder, "one", f"leapfrog = {folder.stem}:Leapfrog")
+    assert own_solver("leapfrog").name == "leapfrog"
+    with pytest.raises(UsageError, match=r"'frog' names no solver: .* or one of the installed leapfrog"):
+        own_solver("frog")
+    declare(folder, "two", f"leapfrog = {folder.stem}:SCALED")
+    with pytest.raises(UsageError, match=r"'leapfrog' names several solvers: choose from own_\d+:Leapfrog, own_\d+:SCALED"):
+        own_solver("leapfrog")
+
+
+def declare(folder: Path, package: str, entry: str) -> None:
+    """Write what an installed package says of itself."""
+    info = folder.parent / f"{package}-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n", encoding="utf-8")
+    (info / "entry_points.txt").write_text(f"[mpmverify.solvers]\n{entry}\n", encoding="utf-8")
+    sys.path[:0] = [folder for folder in (str(info.parent), str(folder.parent)) if folder not in sys.path]
+
+
+def test_cases_that_are_left_out_for_the_same_reason_share_a_line(folder):
+    result = run("check", f"{folder.name}:Leapfrog", "axial-vibration", "large-deformation", "plane-waves")
+    (line,) = [line for line in result.output.splitlines() if line.startswith("Left out: ") and " more: " in line]
+    assert re.search(r"^Left out: large-deformation, bar; .*; .* and \d+ more: solver 'leapfrog' takes ", line)

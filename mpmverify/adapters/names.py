@@ -3,6 +3,7 @@
 import importlib
 import os
 import sys
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,9 @@ from mpmverify.execution.contract import lacking
 from mpmverify.execution.evaluation import place
 from mpmverify.solution import Solver
 from mpmverify.study import Study
+
+GROUP = "mpmverify.solvers"
+"""Entry points by which an installed package makes its solvers known."""
 
 
 def is_own(name: str) -> bool:
@@ -47,15 +51,24 @@ def own_object(name: str) -> Any:
 def own_solver(name: str) -> Solver:
     """Return the solver with a name, an instance of the class with that name, or the one that a file `bench.toml` describes.
 
+    A name without a colon is that of an entry point in the group `mpmverify.solvers`, which an installed package declares.
+
     Raises
     ------
     UsageError
-        If it cannot be imported, is a class that needs arguments, or lacks an attribute of a `Solver`.
+        If it cannot be imported, is a class that needs arguments, lacks an attribute of a `Solver`, or two packages declare it.
     """
     if name.endswith(BENCH_SUFFIX):
         return read_bench(Path(name))
     if ":" not in name:
-        raise UsageError(f"{name!r} names no solver: give FILE.py:NAME, MODULE:NAME or a file bench.toml")
+        declared = {point.value for point in entry_points(group=GROUP, name=name)}
+        if len(declared) > 1:
+            raise UsageError(f"{name!r} names several solvers: choose from {', '.join(sorted(declared))}")
+        if not declared:
+            known = sorted(point.name for point in entry_points(group=GROUP))
+            installed = f", or one of the installed {', '.join(known)}" if known else ""
+            raise UsageError(f"{name!r} names no solver: give FILE.py:NAME, MODULE:NAME or a file bench.toml{installed}")
+        (name,) = declared
     solver = _named(name, "solver")
     if isinstance(solver, type):
         try:

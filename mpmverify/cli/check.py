@@ -28,6 +28,7 @@ def check(what: str, studies: tuple[str, ...]) -> None:
     from mpmverify.adapters.check_problem import check_problem, not_looked_at
     from mpmverify.adapters.files import Files
     from mpmverify.adapters.names import own_object, own_solver
+    from mpmverify.cli.console import say_left_out
     from mpmverify.cli.solving import declared
     from mpmverify.exact import VerificationProblem
 
@@ -44,7 +45,7 @@ def check(what: str, studies: tuple[str, ...]) -> None:
     own = own_solver(what)
     wanted = [own.study(declared)] if isinstance(own, Files) else [declared(name) for name in studies or shipped.NAMES]
     looked = wrong = crashed = 0
-    refusal = ""
+    refused: list[tuple[str, str]] = []
     for study in wanted:
         for case in study.cases:
             if crashed or (looked == CASES and not studies):
@@ -52,9 +53,7 @@ def check(what: str, studies: tuple[str, ...]) -> None:
             try:
                 remarks = found_in(own, case)
             except UsageError as error:
-                refusal = str(error)
-                if studies:
-                    click.echo(f"Left out: {study.name}, {case.name}: {refusal}", err=True)
+                refused.append((f"{study.name}, {case.name}", str(error)))
                 continue
             looked += 1
             click.echo(f"{study.name}, {case.name}: {'nothing found' if not remarks else ''}")
@@ -62,7 +61,9 @@ def check(what: str, studies: tuple[str, ...]) -> None:
                 _say(remark)
             wrong, crashed = wrong + len(remarks), crashed + sum(remark.crashed for remark in remarks)
     if not looked:
-        raise UsageError(refusal)
+        raise UsageError(refused[-1][1])
+    if studies:
+        say_left_out(refused)
     click.echo(
         f"{_count(looked, 'case')} looked at, {_count(wrong, 'remark')}."
         + ("" if wrong else f" Next: mpmverify run --with {what}")

@@ -32,9 +32,9 @@ def export(study: str, cases: tuple[str, ...], levels: int | None, points: str, 
     """
     from mpmverify.adapters.files import BENCH
     from mpmverify.adapters.files import export as write
+    from mpmverify.cli.console import say_left_out
     from mpmverify.cli.solving import declared
 
     refused = write(declared(study), study, folder, cases=cases, levels=levels, points=points)
-    for case, reason in refused.items():
-        click.echo(f"Left out: {case}: {reason}", err=True)
+    say_left_out(list(refused.items()))
     click.echo(f"Wrote '{folder}'. Next: mpmverify run --with {shlex.quote(str(folder / BENCH))}")

@@ -167,6 +167,7 @@ def _judging(name: str, studies: Sequence[str], solvers: tuple[str, ...], couran
     """Studies that judge a solver by what it declares; says which cases are left out, and why."""
     from mpmverify.adapters.files import Files
     from mpmverify.adapters.names import own_solver
+    from mpmverify.cli.console import say_left_out
     from mpmverify.execution.refusals import without_refused
 
     solver, chosen = own_solver(name), []
@@ -176,18 +177,18 @@ def _judging(name: str, studies: Sequence[str], solvers: tuple[str, ...], couran
         wanted = [solver.study(declared)]
     else:
         wanted = _chosen(studies, solvers, courant)
-    reason = f"no study can judge {solver.name!r}"
+    left_out: list[tuple[str, str]] = []
     for study in wanted:
         try:
             kept, refused = without_refused(study.with_solver(solver), solver, plan)
         except UsageError as error:
             kept, refused = None, {"": str(error)}
-        for case, reason in refused.items():
-            click.echo(f"Left out: {study.name}{case and f', {case}'}: {reason}", err=True)
+        left_out += [(f"{study.name}{case and f', {case}'}", reason) for case, reason in refused.items()]
         if kept:
             chosen.append(kept)
+    say_left_out(left_out)
     if not chosen:
-        raise UsageError(reason)
+        raise UsageError(left_out[-1][1] if left_out else f"no study can judge {solver.name!r}")
     return chosen
 
 
