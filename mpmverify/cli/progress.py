@@ -3,12 +3,14 @@
 from types import TracebackType
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as Bars
 
 
 class Progress:
     """A bar for each study at work, below what is printed meanwhile; without a terminal, plain lines on standard error alone.
+
+    The time left follows from the speed of the last runs.
 
     Parameters
     ----------
@@ -17,7 +19,8 @@ class Progress:
     """
 
     def __init__(self, console: Console) -> None:
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+        times = (TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn())
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), *times)
         bars = Bars(*columns, console=console, redirect_stdout=False, redirect_stderr=False)
         self._console = console
         self._bars = bars if console.is_terminal else None
