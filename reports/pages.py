@@ -57,6 +57,9 @@ class CaseSection:
         Chart of measured frequencies or stability limits, if there are any.
     curves : tuple of Curve
     wave_quantities : tuple of Option
+        Quantities of which the wave is drawn, in one dimension.
+    histories : tuple of Option
+        Series whose histories are drawn where there is no wave.
     thumbnail_quantity : str
     tables : tuple of OrderTable
         Empty if there is theory and no order is judged.
@@ -92,6 +95,7 @@ class CaseSection:
     theory: Theory | None
     curves: tuple[Curve, ...]
     wave_quantities: tuple[Option, ...]
+    histories: tuple[Option, ...]
     thumbnail_quantity: str
     tables: tuple[OrderTable, ...]
     source_rows: tuple[SourceRow, ...]

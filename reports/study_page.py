@@ -8,6 +8,7 @@ from typing import Any
 from mpmverify.convergence.verdict import Verdict
 
 from . import charts
+from .balances import balances
 from .bibliography import downloadable
 from .dominance import maps, source_rows
 from .drawing import drawing
@@ -148,6 +149,7 @@ def _section(
         curves=curves,
         still=still(errors, charts.key(shown), [curve.index for curve in curves if curve.shown]) if shown else "",
         wave_quantities=_options(list(units), first, {}),
+        histories=() if units else _recorded(series, curves),
         thumbnail_quantity=first,
         tables=order_tables(ladders, shown),
         source_rows=source_rows(series),
@@ -167,6 +169,15 @@ def _fact(name: str, value: str) -> Fact:
 
 def _options(values: Sequence[str], selected: str | None, names: dict[str, str]) -> tuple[Option, ...]:
     return tuple(Option(value, names.get(value, value), value == selected) for value in dict.fromkeys(values))
+
+
+def _recorded(series: Sequence[Series], curves: Sequence[Curve]) -> tuple[Option, ...]:
+    """Series with histories to draw; the first one that the convergence chart shows is selected."""
+    named = [
+        (curve, f"{curve.solver}, {curve.ladder}") for curve, entry in zip(curves, series, strict=True) if any(balances(entry))
+    ]
+    first = next((curve.index for curve, _ in named if curve.shown), named[0][0].index if named else 0)
+    return tuple(Option(str(curve.index), text, curve.index == first) for curve, text in named)
 
 
 def _charted(series: Sequence[Series]) -> bool:

@@ -332,6 +332,7 @@ def test_a_field_that_has_vanished_is_drawn_where_it_was_largest_or_in_another_q
 def test_only_a_case_in_two_or_three_dimensions_has_a_panel(stored: dict[int, Results]) -> None:
     assert [page(stored[dimension]).count('<div class="panel field"') for dimension in (1, 2, 3)] == [0, 1, 1]
     assert ["assets/fields.js" in page(stored[dimension]) for dimension in (1, 2, 3)] == [False, True, True]
+    assert ["<h3>Histories</h3>" in page(stored[dimension]) for dimension in (1, 2, 3)] == [False, True, True]
     assert [bool(field_thumbnail(record(stored[dimension]))) for dimension in (1, 2, 3)] == [False, True, True]
     assert ['data-role="field-view"' in page(stored[dimension]) for dimension in (2, 3)] == [False, True]
 
@@ -424,6 +425,13 @@ ACT = """
   await pause();
   outcome.played = role("play").getAttribute("aria-pressed");
   outcome.still = getComputedStyle(panel.querySelector(".field-still")).display;
+  const series = document.querySelector('[data-role="series"]');
+  series.value = "1";
+  series.dispatchEvent(new Event("change"));
+  const histories = document.querySelector('[data-role="histories"]');
+  histories.scrollIntoView({ behavior: "instant" });
+  while (!histories.querySelector(".main-svg")) await frame();
+  outcome.histories = [...histories.querySelectorAll("figcaption")].map((caption) => caption.textContent);
   return outcome;
 """
 
@@ -449,6 +457,7 @@ def test_the_panel_works_in_a_browser(stored: dict[int, Results], tmp_path: Path
     assert outcome["clicked"].startswith("Point ")
     assert "exact" in outcome["clicked"]
     assert outcome["still"] == "none"
+    assert outcome["histories"] == ["Change of mass"]
     assert (outcome["playing"], outcome["played"]) == (["true", "0"], "false"), "it plays from the start and stops at the end"
     if dimension == 3:
         assert outcome["all"]["share"] > 0.1

@@ -72,6 +72,7 @@ class Case {
   }
 
   firstSeries() {
+    if (!this.role("time")) return Number(this.role("series")?.value ?? 0);
     const shown = [...this.section.querySelectorAll("input[data-series]:checked")].map((box) => Number(box.dataset.series));
     const kept = this.figures.series.findIndex((entry) => entry.waves);
     return shown.find((k) => this.figures.series[k].waves) ?? Math.max(kept, 0);
@@ -222,15 +223,17 @@ class Case {
       button.setAttribute("aria-pressed", String(Number(button.dataset.focus) === k));
     }
     const { waves, h, histories } = this.figures.series[k];
-    const slider = this.role("time");
-    const share = Number(slider.value) / Number(slider.max);
-    slider.max = String(waves ? waves.t.length - 1 : 1);
-    slider.value = String(Math.round(share * Number(slider.max)));
-    this.role("level").textContent = h ? ` (level h = ${h} m)` : "";
+    const slider = this.role("time");  // only where a wave is drawn
+    if (slider) {
+      const share = Number(slider.value) / Number(slider.max);
+      slider.max = String(waves ? waves.t.length - 1 : 1);
+      slider.value = String(Math.round(share * Number(slider.max)));
+      this.role("level").textContent = h ? ` (level h = ${h} m)` : "";
+    }
     const place = this.role("histories");
     for (const chart of place.querySelectorAll(".chart")) this.forget(chart);
     place.replaceChildren(...histories.map((figure, index) => this.multiple(figure, index)));
-    this.refreshWaves();
+    if (slider) this.refreshWaves();
   }
 
   multiple(figure, index) {
