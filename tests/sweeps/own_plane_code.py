@@ -9,8 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from mpmverify.problem import Fixed, LinearElastic, NeoHookean, Periodic, Traction, Velocity, output_steps, place_particles, require
-from mpmverify.solution import Solution, Work
+from mpmverify.problem import (
+    Fixed,
+    LinearElastic,
+    NeoHookean,
+    Periodic,
+    Traction,
+    Velocity,
+    output_steps,
+    place_particles,
+    require,
+)
+from mpmverify.solution import RunError, Solution, Status, Work
 
 I = np.eye(2)  # noqa: E741 - the unit tensor
 FACES = "x-", "x+", "y-", "y+"
@@ -33,9 +43,11 @@ class Grid:
     """
 
     def __init__(self, problem, h, cells):
-        self.lower, self.h, self.width = np.array(problem.lower), h, cells[1] + 3
-        self.count = (cells[0] + 3) * self.width
-        self.period = np.array([n if problem.boundary[axis + "-"] == Periodic() else np.inf for axis, n in zip("xy", cells, strict=True)])
+        self.lower, self.h, self.nodes = np.array(problem.lower), h, np.array(cells) + 2
+        self.width, self.count = cells[1] + 3, (cells[0] + 3) * (cells[1] + 3)
+        self.period = np.array(
+            [n if problem.boundary[axis + "-"] == Periodic() else np.inf for axis, n in zip("xy", cells, strict=True)]
+        )
         to, signs = [], []
         for axis, n in enumerate(cells):
             ends = [problem.boundary["xy"[axis] + side] for side in "-+"]
@@ -60,6 +72,8 @@ class Grid:
         first = np.floor(s - (size - 2) / 2).astype(int)
         offset = np.arange(size)
         N, D = function(s[:, :, None] - first[:, :, None] - offset)
+        if not ((first >= -1) & (first + size <= self.nodes)).all():
+            raise RunError(Status.UNSTABLE, "a particle left the grid")
         nodes = (first[:, 0, None, None] + 1 + offset[:, None]) * self.width + first[:, 1, None, None] + 1 + offset
         start, shape = np.arange(len(x) + 1) * size**2, (len(x), self.count)
         pairs = (N[:, 0], N[:, 1]), (D[:, 0] / self.h, N[:, 1]), (N[:, 0], D[:, 1] / self.h)
@@ -72,10 +86,11 @@ class Grid:
 
 @dataclass(frozen=True)
 class OwnPlane:
-    """The code; `musl` maps the velocities back to the nodes before the strain."""
+    """The code; `musl` maps the velocities back to the nodes before the strain, `judged` are the fields whose orders it declares."""
 
     basis: str = "quadratic"
-    musl: bool = True
+    musl: bool = False
+    judged: tuple[str, ...] = ("displacement", "velocity", "stress", "displacement_gradient")
 
     @property
     def name(self):
@@ -83,7 +98,9 @@ class OwnPlane:
 
     @property
     def orders(self):
-        return {"displacement": 2, "velocity": 2, "stress": 2 if self.basis == "quadratic" else 1}
+        strain = 2 if self.basis == "quadratic" else 1
+        orders = {"displacement": 2, "velocity": 2, "stress": strain, "displacement_gradient": strain}
+        return {quantity: order for quantity, order in orders.items() if quantity in self.judged}
 
     conserves = frozenset({"mass", "momentum"})
 
@@ -153,8 +170,6 @@ class OwnPlane:
             v_node = v_node + kick * a
             impulse, work = impulse + dt / 2 * force, work + dt / 2 * (f_ext * v_node).sum()
             x = x + dt * (N @ v_node)
-            for points, *_ in loads:
-                points += dt * (grid.weights(points, self.basis)[0] @ v_node)
             if self.musl:
                 v_node = grid.sign * (grid.gather(N.T @ (m[:, None] * v), grid.sign) / mass)[grid.to]
             L = np.stack([N_x @ v_node, N_y @ v_node], 2)  # dv_i/dx_j
@@ -182,6 +197,3 @@ class OwnPlane:
             points.append(p)
             area.append(normal)
         return np.concatenate(points), np.concatenate(area), problem.boundary[face]
-
-
-LINEAR = OwnPlane("linear")
