@@ -23,7 +23,6 @@ from mpmverify.problem import (
 from mpmverify.solution import RunError, Solution, Status, Work
 
 I = np.eye(2)  # noqa: E741 - the unit tensor
-FACES = "x-", "x+", "y-", "y+"
 
 
 def hat(s):
@@ -116,7 +115,11 @@ class OwnPlane:
         x, v = X + problem.initial_field("displacement", X), problem.initial_field("velocity", X)
         F = I + problem.initial_field("displacement_gradient", X).reshape(-1, 2, 2)
         stress = problem.initial_field("stress", X)[:, [0, 2, 2, 1]].reshape(-1, 2, 2)
-        loads = [self.loaded(problem, face, h / discretisation.ppc) for face in FACES if isinstance(faces[face], Traction)]
+        loads = [
+            (self.loaded(problem, face, h / discretisation.ppc, grid), end.value)
+            for face, end in faces.items()
+            if isinstance(end, Traction)
+        ]
         shown, fields, impulse, work = output_steps(steps, problem.outputs), [], np.zeros(2), 0.0
         histories = {"time": dt * np.arange(steps + 1)}
         for n in range(steps + 1):
@@ -134,8 +137,8 @@ class OwnPlane:
             # forces at the nodes
             N, N_x, N_y = grid.weights(x, self.basis)
             f_ext = N.T @ (m[:, None] * problem.force(X, x, t))
-            for points, area, end in loads:
-                f_ext += grid.weights(points, self.basis)[0].T @ (area * end.value(np.array([t]))[0])
+            for area, pressure in loads:
+                f_ext += area * pressure(np.array([t]))[0]
             f = f_ext - N_x.T @ (V[:, None] * stress[:, 0]) - N_y.T @ (V[:, None] * stress[:, 1])
             M = N.T @ m
             mass = grid.gather(M[:, None], np.ones((grid.count, 1)))
@@ -183,17 +186,15 @@ class OwnPlane:
         time = histories["time"][shown]
         return Solution(time, dt, X, position, weight, returned, histories, Work(steps, steps * len(X)))
 
-    @staticmethod
-    def loaded(problem, face, width):
-        """Points on the loaded sides of bodies, the area of each along the outer normal, and the condition."""
+    def loaded(self, problem, face, width, grid):
+        """Area of the loaded sides of bodies along the outer normal, spread over the nodes as that of points on them."""
         axis, along = ("xy".index(face[0]), 1 - "xy".index(face[0]))
-        points, area = [np.zeros((0, 2))], [np.zeros((0, 2))]
+        area = np.zeros((grid.count, 2))
         for block in problem.touched(face):
             count = round((block.upper[along] - block.lower[along]) / width)
-            p, normal = np.zeros((count, 2)), np.zeros((count, 2))
-            p[:, axis] = (problem.lower if face[1] == "-" else problem.upper)[axis]
-            p[:, along] = block.lower[along] + (np.arange(count) + 0.5) * width
+            points, normal = np.zeros((count, 2)), np.zeros((count, 2))
+            points[:, axis] = (problem.lower if face[1] == "-" else problem.upper)[axis]
+            points[:, along] = block.lower[along] + (np.arange(count) + 0.5) * width
             normal[:, axis] = width if face[1] == "+" else -width
-            points.append(p)
-            area.append(normal)
-        return np.concatenate(points), np.concatenate(area), problem.boundary[face]
+            area += grid.weights(points, self.basis)[0].T @ normal
+        return area

@@ -136,7 +136,7 @@ FAULTS: dict[str, tuple[str, Replaced]] = {
                 "count = round((block.upper[along] - block.lower[along]) / width)",
                 "count = round(problem.lengths[along] / width)",
             ),
-            ("p[:, along] = block.lower[along] +", "p[:, along] = problem.lower[along] +"),
+            ("points[:, along] = block.lower[along] +", "points[:, along] = problem.lower[along] +"),
         ),
     ),
     # particles and nodes
