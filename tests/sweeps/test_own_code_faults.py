@@ -101,7 +101,6 @@ FAULTS: dict[str, tuple[str, Replaced]] = {
     "velocity starts with a full step": ("waves between clamped faces", ((KICK, "kick = dt"),)),
     "body force one step late": ("drift", (("problem.force(X, x, t)", "problem.force(X, x, t + dt)"),)),
     "body force half a step late": ("drift", (("problem.force(X, x, t)", "problem.force(X, x, t + dt / 2)"),)),
-    "load one step late": ("load", (("(np.array([t]))[0]", "(np.array([t + dt]))[0]"),)),
     "load half a step late": ("load", (("(np.array([t]))[0]", "(np.array([t + dt / 2]))[0]"),)),
     "dt of the strain by 1 %": ("large shear", ((UPDATE, "F = F + 1.01 * dt * L @ F"),)),
     "dt of the positions by 1 %": ("large shear", ((MOVE, "x = x + 1.01 * dt * (N @ v_node)"),)),
