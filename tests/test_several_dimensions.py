@@ -1,6 +1,7 @@
 """Bodies in one, two and three dimensions: from the solver through runs, datasets and verdicts to the report."""
 
 import json
+from dataclasses import replace
 
 import netCDF4
 import numpy as np
@@ -8,8 +9,10 @@ import pytest
 from faulty_solvers import plan
 from sampled_solvers import Everywhere, Sampled
 
+from mpmverify import studies
 from mpmverify.convergence.verdict import Verdict
-from mpmverify.criteria import Balance, Order
+from mpmverify.criteria import Balance, FieldSums, Order
+from mpmverify.criteria.criterion import Setting
 from mpmverify.criteria.norms import errors
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.runs import read_run
@@ -27,6 +30,7 @@ from mpmverify.problem import Discretisation, components
 from mpmverify.problem.quantities import history_units, multiplicity
 from mpmverify.reports import render
 from mpmverify.solvers.fem import FiniteElement
+from mpmverify.solvers.mpm import MaterialPoint
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
 from mpmverify.study import Case, Series, Study, halving
 
@@ -229,3 +233,21 @@ def test_the_finite_element_reference_converges_on_the_bar_that_starts_deformed(
     refinement = halving(1.0, 8, quick=4, full=4, courant=0.2, courant_power=0.5)
     findings = verify(solver, study(*good("bar")), refinement=refinement, criteria=criteria)
     assert [f.verdict for f in findings] == [Verdict.PASS, Verdict.PASS], [str(f) for f in findings]
+
+
+@pytest.mark.parametrize(("case", "dimension"), [("clamped", 2), ("clamped-cuboid", 3)])
+def test_histories_are_sums_of_the_fields_in_every_direction(case, dimension):
+    """Of a body that starts deformed, with volumes that change: each history, and each direction of the momentum, is compared."""
+    known = {one.name: one for one in studies.get("plane-waves").cases}[case]
+    level = max(known.series[0].refinement.levels, key=lambda one: one.h)
+    solution, setting = MaterialPoint("MUSL").solve(known.problem.problem, level), Setting(known.problem, level)
+    stocks = ("mass", "momentum", "kinetic_energy", "strain_energy")
+    criterion = FieldSums(stocks, "")
+    assert len(criterion.measure(solution, setting)) == len(stocks)
+    assert max(criterion.measure(solution, setting).values()) < 1e-12
+    for stock in stocks:
+        for name in components(stock, dimension):
+            history = solution.histories[name]
+            moved = np.max(np.abs([solution.histories[one] for one in components(stock, dimension)]))
+            wrong = replace(solution, histories=dict(solution.histories) | {name: history + 1e-6 * moved})
+            assert criterion.measure(wrong, setting)[f"{stock}_sum_defect"] > 1e-9, name

@@ -25,9 +25,11 @@ def say_left_out(refused: Sequence[tuple[str, str]]) -> None:
     """Print which cases are left out, given with their reasons; cases with the same reason but for the name of the problem in one line."""
     groups: dict[str, list[tuple[str, str]]] = {}
     for case, reason in refused:
-        groups.setdefault(re.sub("cannot solve '[^']*'", "", reason), []).append((case, reason))
+        groups.setdefault(re.sub("(cannot solve|case) '[^']*'", "", reason), []).append((case, reason))
     for cases in groups.values():
         more = f" and {len(cases) - NAMED_CASES} more" if len(cases) > NAMED_CASES else ""
         names = "; ".join(case for case, _ in cases[:NAMED_CASES])
-        reason = cases[0][1] if len(cases) == 1 else re.sub("cannot solve '[^']*': it ", "", cases[0][1])
+        reason = (
+            cases[0][1] if len(cases) == 1 else re.sub("cannot solve '[^']*': it |case '[^']*' (?=expects)", "", cases[0][1])
+        )
         click.echo(f"Left out: {names}{more}: {reason}", err=True)

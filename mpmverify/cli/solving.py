@@ -23,6 +23,7 @@ from mpmverify.errors import UsageError
 if TYPE_CHECKING:
     from mpmverify.execution.runner import Plan
     from mpmverify.judgement.findings import Finding
+    from mpmverify.solution import Solver
     from mpmverify.study import Study
 
 
@@ -32,7 +33,7 @@ def list_(studies: tuple[str, ...]) -> None:
     """List the studies, their cases and solvers."""
     for study in _chosen(studies, (), None):
         click.echo(f"{study.name}: {study.title}")
-        click.echo(f"  cases    {', '.join(case.name for case in study.cases)}")
+        click.echo(f"  cases    {'; '.join(case.name for case in study.cases)}")
         click.echo(f"  solvers  {', '.join(study.solvers())}")
 
 
@@ -183,6 +184,7 @@ def _judging(name: str, studies: Sequence[str], solvers: tuple[str, ...], couran
             kept, refused = without_refused(study.with_solver(solver), solver, plan)
         except UsageError as error:
             kept, refused = None, {"": str(error)}
+        refused = refused | _unable(study, solver) if kept else refused
         left_out += [(f"{study.name}{case and f', {case}'}", reason) for case, reason in refused.items()]
         if kept:
             chosen.append(kept)
@@ -190,6 +192,17 @@ def _judging(name: str, studies: Sequence[str], solvers: tuple[str, ...], couran
     if not chosen:
         raise UsageError(left_out[-1][1] if left_out else f"no study can judge {solver.name!r}")
     return chosen
+
+
+def _unable(study: "Study", solver: "Solver") -> dict[str, str]:
+    """Return the cases of a study that cannot judge what a solver declares, with the reasons."""
+    reasons = {}
+    for case in study.cases:
+        try:
+            case.with_solver(solver)
+        except UsageError as error:
+            reasons[case.name] = str(error)
+    return reasons
 
 
 def declared(name: str) -> "Study":

@@ -10,7 +10,8 @@ from mpmverify.criteria.bounds import judge_largest, relative_defect
 from mpmverify.criteria.criterion import Setting
 from mpmverify.criteria.evidence import Evidence
 from mpmverify.errors import UsageError
-from mpmverify.problem import Array, LinearElastic, Problem, Transport
+from mpmverify.problem import Array, LinearElastic, Problem, Transport, components
+from mpmverify.problem.quantities import multiplicity
 from mpmverify.solution import Solution
 
 NEEDS: Mapping[str, tuple[str, ...]] = {
@@ -53,10 +54,12 @@ class FieldSums:
 
     Notes
     -----
-    The first weights are reference volumes, so a sample point has the constant mass m_p = rho0 w_p(0). Its current volume is w_p(t).
-    Mass is sum m_p, momentum sum m_p v_p, kinetic energy sum m_p v_p^2/2, and strain energy of the linear elastic law
-    sum w_p sigma_p^2/(2 (lambda + 2 mu)). The strain energy of other laws needs the deformation gradient, which is not among the
-    fields. The mass of a transported scalar is sum w_p u_p.
+    A sample point has the constant mass m_p = rho0 V_p. Its reference volume V_p is its first weight where the weights stay as they
+    are; weights w_p(t) that change are current volumes, and V_p = w_p(0)/J_p(0) with the given initial deformation.
+    Mass is sum m_p, momentum sum m_p v_p in each direction, kinetic energy sum m_p |v_p|^2/2, and strain energy of the linear elastic
+    law in d dimensions sum w_p (sigma_p : sigma_p - lambda/(d lambda + 2 mu) (tr sigma_p)^2)/(4 mu), where two dimensions are those of
+    plane strain. In one that is w_p sigma_p^2/(2 (lambda + 2 mu)). The strain energy of other laws needs the deformation gradient,
+    which is not among the fields. The mass of a transported scalar is sum w_p u_p.
 
     Which sums hold depends on the quadrature of the scheme. Declare only those that hold exactly, because a tolerance as large as the
     difference of two quadratures would hide faults of that size:
@@ -108,7 +111,8 @@ def _compared(stock: str, solution: Solution, problem: Problem) -> Mapping[str, 
     """Relative defect of one history, or a metric that records why it cannot be compared."""
     if obstacle := _obstacle(stock, solution, problem):
         return {_lacks(stock, obstacle): 1.0}
-    terms, history = _terms(stock, solution, problem), solution.histories[stock][_rows(solution)]
+    terms = _terms(stock, solution, problem)
+    history = np.stack([solution.histories[name][_rows(solution)] for name in components(stock, problem.dimension)], axis=1)
     scale = max(np.max(np.sum(np.abs(terms), axis=1)), np.max(np.abs(history)))
     if len(history) < 2 or scale == 0:
         return {_lacks(stock, "motion"): 1.0}
@@ -117,7 +121,7 @@ def _compared(stock: str, solution: Solution, problem: Problem) -> Mapping[str, 
 
 def _obstacle(stock: str, solution: Solution, problem: Problem) -> str:
     transported, material = isinstance(problem.material, Transport), problem.material
-    if stock not in solution.histories:
+    if not set(components(stock, problem.dimension)) <= solution.histories.keys():
         return "history"
     if (transported and stock != "mass") or (stock == "strain_energy" and type(material) is not LinearElastic):
         return "law"
@@ -135,15 +139,32 @@ def _rows(solution: Solution) -> np.ndarray:
 
 
 def _terms(stock: str, solution: Solution, problem: Problem) -> Array:
-    """Contribution of each sample point to a history at the output times (T, P)."""
-    weight, fields, material = solution.weight, solution.fields, problem.material
+    """Contribution of each sample point to the C components of a history at the output times (T, P, C)."""
+    weight, fields, material = solution.weight[:, :, None], solution.fields, problem.material
     if not isinstance(material, LinearElastic):
-        return np.asarray(weight * fields["u"][:, :, 0])
-    mass = np.broadcast_to(material.density * weight[0], weight.shape)
+        return np.asarray(weight * fields["u"])
+    mass = np.broadcast_to((material.density * _reference_volume(solution, problem))[:, None], weight.shape)
     if stock == "mass":
         return mass
     if stock == "strain_energy":
-        modulus = material.lame_lambda + 2 * material.shear_modulus
-        return np.asarray(weight * fields["stress"][:, :, 0] ** 2 / (2 * modulus))
-    velocity = fields["velocity"][:, :, 0]
-    return np.asarray(mass * velocity if stock == "momentum" else mass * velocity**2 / 2)
+        return weight * _energy(fields["stress"], material, problem.dimension)
+    velocity = fields["velocity"]
+    return np.asarray(mass * velocity if stock == "momentum" else mass * np.sum(velocity**2, axis=2, keepdims=True) / 2)
+
+
+def _reference_volume(solution: Solution, problem: Problem) -> Array:
+    """Reference volume of each sample point (P,): its first weight, less the initial volume change where weights are current volumes."""
+    first = solution.weight[0]
+    if "displacement_gradient" not in problem.initial or np.all(solution.weight == first):
+        return first
+    gradient = problem.initial_field("displacement_gradient", solution.reference)
+    F = np.eye(problem.dimension) + gradient.reshape(-1, problem.dimension, problem.dimension)
+    return np.asarray(first / np.linalg.det(F))
+
+
+def _energy(stress: Array, material: LinearElastic, dimension: int) -> Array:
+    """Strain energy of the linear elastic law, of plane strain in two dimensions, per volume at each point (T, P, 1) [J/m^3]."""
+    lame, shear = material.lame_lambda, material.shear_modulus
+    trace = np.sum(stress[:, :, :dimension], axis=2)
+    squares = np.sum(multiplicity("stress", dimension) * stress**2, axis=2)
+    return np.asarray((squares - lame / (dimension * lame + 2 * shear) * trace**2) / (4 * shear))[:, :, None]

@@ -66,6 +66,8 @@ def verify(
     demanded = expectations(solver, chosen.problem, chosen.norm, chosen.margin) if criteria is None else tuple(criteria)
     if refinement:
         chosen = dataclasses.replace(chosen, ladder=refinement)
+    if criteria is None:
+        chosen.converging()
     refinement = chosen.ladder_in_h() if criteria is None else chosen.ladder or chosen.series[0].refinement
     if not demanded:
         raise UsageError(f"no criterion is given for solver {solver.name!r} on {chosen.problem.problem.name!r}: give one")

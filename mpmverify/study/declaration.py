@@ -97,6 +97,19 @@ class Case:
             "hold: give such a ladder by refinement=, or give criteria="
         )
 
+    def converging(self) -> list[Solver]:
+        """Return the solvers of which the case expects an order.
+
+        Raises
+        ------
+        UsageError
+            If there is none: what a solver declares cannot be judged on the case then.
+        """
+        found = [s.solver for s in self.series if any(isinstance(criterion, Order | Separated) for criterion in s.criteria)]
+        if not found:
+            raise UsageError(f"case {self.name!r} expects an order of no solver: choose another case, or give criteria")
+        return found
+
     def with_solver(self, solver: Solver) -> "Case":
         """Return the case with a solver of any origin, judged by what it declares, beside the one of the case that declares most alike.
 
@@ -105,12 +118,7 @@ class Case:
         UsageError
             If no order is expected on the case, no ladder shows the declared ones, or a declaration is invalid; see `expectations`.
         """
-        converging = [
-            s.solver for s in self.series if any(isinstance(criterion, Order | Separated) for criterion in s.criteria)
-        ]
-        if not converging:
-            raise UsageError(f"case {self.name!r} expects an order of no solver: choose another case, or give criteria")
-        ladder = self.ladder_in_h()
+        converging, ladder = self.converging(), self.ladder_in_h()
         beside = sorted(converging, key=lambda other: len(set(other.orders.items()) ^ set(solver.orders.items())))[:1]
         series = (
             Series(one, ladder, expectations(one, self.problem, self.norm, self.margin))
