@@ -3,6 +3,7 @@
 import functools
 import http.server
 import json
+import os
 import queue
 import shutil
 import subprocess
@@ -69,7 +70,7 @@ def acted(page: Path, report: Path, act: str, profile: Path, *options: str, wind
         The object, with the errors of the scripts as `faults`, whether WebGL was used as `graphics`, and the files that the page asked
         for in vain as `missing`.
     """
-    place = page.with_name(f"acted-{page.name}")
+    place = page.with_name(f"acted-{os.getpid()}-{page.name}")  # other processes may look at the same page
     script = f"""<script>
 addEventListener("load", async () => {{
   const frame = () => new Promise((done) => requestAnimationFrame(done));

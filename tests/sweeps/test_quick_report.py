@@ -1,0 +1,106 @@
+"""The report of all studies in a browser: no page fails, no link is broken, and axe-core finds nothing serious in light or dark.
+
+It needs the results of `mpmverify run` in the folder `results` of the checkout, or the folder of a report in `MPMVERIFY_REPORT`.
+"""
+
+import importlib.util
+import os
+import re
+import sys
+from html import unescape
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+
+TESTS = Path(__file__).parent.parent
+sys.path.append(str(TESTS))
+
+from browser import BROWSER, acted  # noqa: E402
+
+REPORT = Path(os.environ.get("MPMVERIFY_REPORT", TESTS.parent / "results" / "report"))
+PAGES = sorted(path.relative_to(REPORT).as_posix() for path in REPORT.rglob("*.html"))
+SOLVERS = [page for page in PAGES if page.startswith("solver-")]
+SEEN = [page for page in PAGES if page not in SOLVERS] + SOLVERS[::16]
+"""Pages that a browser opens: those of solvers are alike."""
+KINDS = (
+    "index",
+    "solvers",
+    "compare",
+    "problems",
+    "trust",
+    "moving-bodies",
+    "dispersion",
+    "error-sources",
+    "handbook/verdicts",
+)
+SAMPLE = [page for page in SEEN if page.removesuffix(".html") in KINDS or page == SOLVERS[0]]
+"""Pages that are opened in a narrow window, too, and on a dark ground."""
+AXE = importlib.util.find_spec("axe_playwright_python")
+MOST_CHARTS = 24
+"""Number of charts of a page that are drawn."""
+OPEN = f"""
+  for (const folded of [...document.querySelectorAll("details")].slice(0, 40)) folded.open = true;
+  document.querySelector(".chart")?.scrollIntoView({{ behavior: "instant" }});  // the first one in sight loads plotly
+  for (const chart of [...document.querySelectorAll(".chart")].filter((one) => one.checkVisibility()).slice(0, {MOST_CHARTS})) {{
+    while (!window.Plotly) await frame();
+    for (let k = 0; k < 300 && chart.isConnected && !chart.querySelector(".main-svg"); k += 1) {{
+      chart.scrollIntoView({{ behavior: "instant" }});  // again: charts above it that are drawn meanwhile move it
+      await frame();
+    }}
+    if (chart.isConnected && !chart.querySelector(".main-svg")) faults.push(`blank: ${{chart.dataset.chart}}`);
+  }}
+  const wide = document.documentElement.scrollWidth - innerWidth;
+  return {{ wide, width: innerWidth }};
+"""
+CHECK = """
+  for (const folded of [...document.querySelectorAll("details")].slice(0, 12)) folded.open = true;
+  const rules = { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"], resultTypes: ["violations"] };
+  const { violations } = await axe.run(document, rules);
+  const serious = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
+  const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+  return { dark, serious: serious.map(({ id, nodes }) => `${id}: ${nodes[0].html.slice(0, 200)} (${nodes.length})`) };
+"""
+
+pytestmark = pytest.mark.skipif(not PAGES, reason="needs the report of `mpmverify run`")
+browsed = pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+
+
+@browsed
+@pytest.mark.parametrize(("page", "window"), [*((page, "1280,900") for page in SEEN), *((page, "500,900") for page in SAMPLE)])
+def test_a_page_opens_without_errors(page, window, tmp_path):
+    found = acted(REPORT / page, REPORT, OPEN, tmp_path, window=window)
+    assert (found["faults"], found["missing"]) == ([], [])
+    assert found["wide"] <= 0, "the page can be scrolled sideways"
+
+
+@browsed
+@pytest.mark.skipif(AXE is None, reason="needs axe-core: pip install --no-deps axe-playwright-python")
+@pytest.mark.parametrize(("page", "scheme"), [*((page, "light") for page in SEEN), *((page, "dark") for page in SAMPLE)])
+def test_axe_finds_nothing_serious(page, scheme, tmp_path):
+    code = Path(AXE.submodule_search_locations[0], "axe.min.js").read_text(encoding="utf-8")
+    dark = ["--force-dark-mode", "--blink-settings=preferredColorScheme=0"] if scheme == "dark" else []
+    found = acted(REPORT / page, REPORT, code + CHECK, tmp_path, *dark)
+    assert (found["faults"], found["serious"]) == ([], [])
+    assert found["dark"] == (scheme == "dark")
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_link_leads_somewhere(page):
+    place = REPORT / page
+    for href in re.findall(r'(?:href|src)="([^"]*)"', place.read_text(encoding="utf-8")):
+        target, _, anchor = unescape(href).partition("#")
+        if re.match(r"[a-z]+:", target):
+            assert target.startswith(("https://", "http://", "data:", "blob:")), href
+            continue
+        found = (place.parent / unquote(target)).resolve() if target else place
+        assert found.is_relative_to(REPORT.resolve().parent), f"{href} leaves the results"
+        assert found.exists(), f"{href} leads nowhere"
+        if anchor and found.suffix == ".html" and "=" not in anchor:
+            assert unquote(anchor) in identifiers(found), f"{href} has no such place"
+
+
+def identifiers(page: Path, known: dict[Path, set[str]] = {}) -> set[str]:  # noqa: B006 - kept for the next page
+    if page not in known:
+        known[page] = {unescape(name) for name in re.findall(r'\bid="([^"]*)"', page.read_text(encoding="utf-8"))}
+    return known[page]
