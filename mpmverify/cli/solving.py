@@ -184,7 +184,7 @@ def _judging(name: str, studies: Sequence[str], solvers: tuple[str, ...], couran
             kept, refused = without_refused(study.with_solver(solver), solver, plan)
         except UsageError as error:
             kept, refused = None, {"": str(error)}
-        refused = refused | _unable(study, solver) if kept else refused
+        refused = {**refused, **_unable(study, solver)} if kept else refused
         left_out += [(f"{study.name}{case and f', {case}'}", reason) for case, reason in refused.items()]
         if kept:
             chosen.append(kept)

@@ -100,7 +100,7 @@ def expectations(solver: Solver, problem: VerificationProblem, norm: str, margin
             f"solver {solver.name!r} declares that it conserves the unknown {unknown[0]!r}: choose from {', '.join(INVARIANTS)}"
         )
     coarse, round_off = getattr(solver, "coarse_orders", {}), getattr(solver, "round_off", ROUND_OFF)
-    if not isinstance(round_off, Real) or not 0 <= round_off <= LARGEST_ROUND_OFF:
+    if not isinstance(round_off, Real) or not 0 <= float(round_off) <= LARGEST_ROUND_OFF:
         raise UsageError(
             f"solver {solver.name!r} declares the round-off {round_off!r}: it must be a relative error up to {LARGEST_ROUND_OFF:g}"
         )
