@@ -12,6 +12,8 @@ from mpmverify.errors import UsageError
 
 REMEDY = "make it anew with `pytest --benchmark-json=FILE`"
 SECONDS = ("q1", "median", "q3")
+SHORTEST, LONGEST = 1e-15, 1e9
+"""Range of a time that is not zero [s]: what lies outside was not measured."""
 CLOSE = 1e-9
 """Relative difference of quartiles that counts as round-off."""
 
@@ -174,7 +176,7 @@ def _seconds(value: Any, key: str, name: str) -> float:
         seconds = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
     except OverflowError:
         seconds = math.inf
-    if not (math.isfinite(seconds) and seconds >= 0):
+    if not (seconds == 0 or SHORTEST <= seconds <= LONGEST):
         raise _NotOursError(f"{key!r} of {name!r} is no time in seconds")
     return seconds
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from urllib.parse import quote
 
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.judgement.findings import Finding
@@ -70,7 +71,7 @@ def card(record: Record) -> Card:
     return Card(
         study=record.name,
         title=title,
-        href=f"{record.name}.html",
+        href=f"{quote(record.name)}.html",
         mark=mark(record.findings),
         shares=shares(record.findings),
         summary=str(record.attributes["summary"]),

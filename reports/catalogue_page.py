@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from urllib.parse import quote
 
 from mpmverify.judgement.kill_table import Fate, PlantedFault
 
@@ -116,7 +117,7 @@ def _study(record: Record, faults: Sequence[PlantedFault]) -> CatalogueStudy:
     anchors = case_anchors(record)
     many = len(record.cases)
     return CatalogueStudy(
-        title=Link(str(record.attributes["title"]), f"{record.name}.html"),
+        title=Link(str(record.attributes["title"]), f"{quote(record.name)}.html"),
         anchor=f"study-{record.name}",
         note=f"{many} problem{'s' * (many != 1)}",
         summary=str(record.attributes["summary"]),

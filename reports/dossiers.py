@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from urllib.parse import quote
 
 from mpmverify.judgement.findings import Finding
 
@@ -97,7 +98,7 @@ def dossiers(records: Sequence[Record]) -> tuple[Dossier, ...]:
 def _entries(record: Record) -> Iterator[tuple[str, Entry]]:
     anchors = verdict_anchors(record)
     for series in record.series:
-        href = f"{record.name}.html#{anchors[series.case, series.solver]}"
+        href = f"{quote(record.name)}.html#{anchors[series.case, series.solver]}"
         yield subject(series.solver, record.schemes[series.solver]), Entry(record, series, href)
 
 

@@ -1,6 +1,7 @@
 """The index page: an overview of all studies and solvers."""
 
 from collections.abc import Sequence
+from urllib.parse import quote
 
 from mpmverify.convergence.verdict import exit_status
 
@@ -62,7 +63,7 @@ def _matrices(records: Sequence[Record]) -> tuple[Matrix, ...]:
                 name,
                 f"{len(mine)} solver{'s' * (len(mine) != 1)} in {len(studies)} stud{'ies' if len(studies) != 1 else 'y'}",
                 mark(judged),
-                tuple(Link(str(record.attributes["title"]), f"{record.name}.html") for record in studies),
+                tuple(Link(str(record.attributes["title"]), f"{quote(record.name)}.html") for record in studies),
                 matrix(
                     judged,
                     [record.name for record in studies],

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
+from urllib.parse import quote
 
 from .dossiers import Dossier, Entry, mark_of
 from .notation import DASH, NORM_NAMES, interval, ladder, order
@@ -23,7 +24,9 @@ def scorecard(dossier: Dossier) -> tuple[StudyOrders, ...]:
     for entry in dossier.entries:
         found = [replace(one, again=k > 0) for k, one in enumerate(_strips(entry))]
         table.setdefault(entry.record.name, []).extend(found)
-    return tuple(StudyOrders(Link(titles[name], f"{name}.html"), tuple(strips)) for name, strips in table.items() if strips)
+    return tuple(
+        StudyOrders(Link(titles[name], f"{quote(name)}.html"), tuple(strips)) for name, strips in table.items() if strips
+    )
 
 
 def measured_orders(dossier: Dossier) -> list[float]:

@@ -25,7 +25,7 @@ def write(results: Results, study: str) -> Path:
         raise ResultsError(f"'{results.path}' has no study {study!r}: choose from {known}")
     target = results.report / f"{study}{SUFFIX}"
     text = self_contained(page.read_text(encoding="utf-8"), results.report)
-    write_atomic(target, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+    write_atomic(target, lambda temporary: temporary.write_text(text, encoding="utf-8", errors="replace"))
     return target
 
 
@@ -38,7 +38,9 @@ def write_alone(page: str, target: Path) -> Path:
         If the file cannot be written.
     """
     text = self_contained(page, Path(__file__).parent, charts=False)
-    write_atomic(target, lambda temporary: temporary.write_text(text, encoding="utf-8"), "choose another file")
+    write_atomic(
+        target, lambda temporary: temporary.write_text(text, encoding="utf-8", errors="replace"), "choose another file"
+    )
     return target
 
 

@@ -163,7 +163,7 @@ def make_way(path: Path) -> None:
 
 
 def _write(path: Path, text: str) -> None:
-    write_atomic(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+    write_atomic(path, lambda temporary: temporary.write_text(text, encoding="utf-8", errors="replace"))
 
 
 def _write_assets(results: Results, manifest: Manifest) -> None:

@@ -86,8 +86,9 @@ def test_a_killed_worker_leaves_no_run_behind(cluster, tmp_path):
     journal = tmp_path / "journal"
     tasks = tasks_of(study(Scripted("hangs", journal=str(journal)), levels=1), plan(tmp_path))
     with distributed.Client(cluster.scheduler_address) as client:
-        future = client.submit(dask.solve_apart, dask._packed(tasks[0]), sys.path, 60.0, pure=False)
+        future = client.submit(dask.solve_apart, dask._packed(tasks[0]), sys.path, 60.0, "killed", pure=False)
         while not journal.exists():
+            assert not future.done(), future.exception()
             time.sleep(0.05)
         parents = set(client.run(os.getpid).values())
         left = children(parents)

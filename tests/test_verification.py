@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpmverify import studies
+from mpmverify.convergence import verdict
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Balance, Dispersion, EnergyConserved, EnergyDrift, Exact, ExactTotal, Order
 from mpmverify.criteria.evidence import evidence_of
@@ -278,7 +279,7 @@ def test_a_solver_may_declare_the_rounding_of_single_precision():
     judged = verify(Rounding(told=5e-6), HILL, refinement=ladder(8))
     assert {f.criterion: f.verdict for f in judged} == {
         "order of u in L2-max in [1.85, 2.15] above 5e-06": Verdict.PASS,
-        "mass conserved": Verdict.PASS,
+        "mass conserved to 5e-06": Verdict.PASS,
     }
     assert "at round-off" in judged[0].reason
     (untold, _) = verify(Rounding(), HILL, refinement=ladder(8))
@@ -287,10 +288,26 @@ def test_a_solver_may_declare_the_rounding_of_single_precision():
     assert bound == 5e-6
 
 
+def test_round_off_on_a_coarse_level_is_no_order():
+    """It is where a wrong error happens to vanish: the finer ones say nothing of it."""
+    found, reason = verdict([1 / 8, 1 / 16, 1 / 32, 1 / 64], [9e-6, 8e-3, 2e-3, 5e-4], band=(1.85, 2.15), round_off=1e-5)
+    assert found is Verdict.INCONCLUSIVE
+    assert "at h=0.125 the error is at round-off, and not on finer levels" in reason
+
+
+@pytest.mark.parametrize("orders", [{"u": -3.0}, {"u": "1"}, {"entropy": 1.0}, ["u"]])
+def test_orders_of_coarse_levels_are_checked_as_formal_ones(orders):
+    class Coarse(Plain):
+        coarse_orders = orders
+
+    with pytest.raises(UsageError, match=r"declares (the order|its coarse orders)"):
+        verify(Coarse(), HILL)
+
+
 def test_rounding_hides_no_error_of_a_percent():
-    with pytest.raises(UsageError, match=r"declares the round-off 0\.01: it must be a relative error up to 0\.0001"):
+    with pytest.raises(UsageError, match=r"declares the round-off 0\.01: it must be a relative error up to 1e-05"):
         verify(Rounding(told=0.01), HILL)
-    with pytest.raises(UsageError, match=r"a relative error of 0\.01 is not round-off: give at most 0\.0001"):
+    with pytest.raises(UsageError, match=r"a relative error of 0\.01 is not round-off: give at most 1e-05"):
         Order("u", "L2", 1.9, 2.1, "", 0.01)
 
 

@@ -104,6 +104,13 @@ def decide(series: Convergence, low: float, high: float) -> Judgement:
     if max(steps) < low or min(steps) > high or not in_band:
         leave = f"the finest steps, {steps[0]:.2f} and {steps[1]:.2f}, leave it"
         return Verdict.INCONCLUSIVE, f"{{measured}} lies in {band}, but {leave}"
+    hidden = series.error <= series.limit
+    stray = series.h[hidden & (series.h > np.min(series.h[~hidden]))]
+    if stray.size:
+        return (
+            Verdict.INCONCLUSIVE,
+            f"{{measured}} lies in {band}, but at {series.size}={stray.max():g} the error is at round-off, and not on finer levels",
+        )
     return Verdict.PASS, "{measured}"
 
 

@@ -15,7 +15,7 @@ from mpmverify.errors import UsageError
 from mpmverify.problem import UNITS, Block
 from mpmverify.solution import Solution
 
-LARGEST_ROUND_OFF = 1e-4
+LARGEST_ROUND_OFF = 1e-5
 """Largest relative error that may be called round-off: single precision has 6e-8, which many steps add up."""
 
 

@@ -86,12 +86,17 @@ def expectations(solver: Solver, problem: VerificationProblem, norm: str, margin
         )
     if not isinstance(solver.conserves, Set):
         raise UsageError(f"solver {solver.name!r} declares that it conserves {solver.conserves!r}: give a set of names")
-    for quantity, order in solver.orders.items():
+    coarse, round_off = getattr(solver, "coarse_orders", {}), getattr(solver, "round_off", ROUND_OFF)
+    if not isinstance(coarse, Mapping):
+        raise UsageError(
+            f"solver {solver.name!r} declares its coarse orders as {coarse!r}: give a mapping of quantity to order"
+        )
+    for quantity, order in (*solver.orders.items(), *coarse.items()):
         if quantity not in UNITS:
             raise UsageError(
                 f"solver {solver.name!r} declares the order of the unknown quantity {quantity!r}: choose from {', '.join(UNITS)}"
             )
-        if not isinstance(order, Real) or isinstance(order, bool | np.bool_) or not (math.isfinite(order) and order > 0):
+        if not isinstance(order, Real) or isinstance(order, bool | np.bool_) or not (math.isfinite(order) and float(order) > 0):
             raise UsageError(
                 f"solver {solver.name!r} declares the order {order!r} of {quantity}: an order must be positive and finite"
             )
@@ -99,7 +104,6 @@ def expectations(solver: Solver, problem: VerificationProblem, norm: str, margin
         raise UsageError(
             f"solver {solver.name!r} declares that it conserves the unknown {unknown[0]!r}: choose from {', '.join(INVARIANTS)}"
         )
-    coarse, round_off = getattr(solver, "coarse_orders", {}), getattr(solver, "round_off", ROUND_OFF)
     if not isinstance(round_off, Real) or not 0 <= float(round_off) <= LARGEST_ROUND_OFF:
         raise UsageError(
             f"solver {solver.name!r} declares the round-off {round_off!r}: it must be a relative error up to {LARGEST_ROUND_OFF:g}"

@@ -50,7 +50,7 @@ class Balance:
         return (
             f"{self.stock} less {self.source_term} conserved to {self.bound:g}"
             if self.source_term
-            else f"{self.stock} conserved"
+            else f"{self.stock} conserved" + f" to {self.bound:g}" * (self.bound > Balance.bound)
         )
 
     @property

@@ -1,7 +1,8 @@
 """Runs over the workers of a dask.distributed scheduler: as over processes, but that the results are stored here.
 
 Each thread of a dask worker has a process of its own for the runs, with the limit of time and the safeguards of `workers`: a run that
-hangs or crashes costs itself alone, and what a solver has compiled serves the next run. A worker needs no access to the results folder.
+hangs or crashes costs itself alone, and what a solver has compiled serves the next run. The process is a new one for every command, so
+that it imports what the files hold then. A worker needs no access to the results folder.
 """
 
 import contextlib
@@ -10,15 +11,15 @@ import pickle
 import queue
 import sys
 import threading
+import uuid
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.execution.evaluation import Evaluated, Task, evaluate, failed, read_back, run_key, stored
 from mpmverify.execution.processes import Waiting, failed_by
-from mpmverify.execution.workers import Crew, Worker
+from mpmverify.execution.workers import Crew, Failure, Worker
 from mpmverify.solution import Status
 
 IN_FLIGHT = 2
@@ -70,7 +71,7 @@ class Distributed:
             raise UsageError("--scheduler needs dask.distributed: pip install 'mpmverify[distributed]'") from error
         try:
             return Client(self.address, timeout=PATIENCE)
-        except (OSError, ValueError) as error:
+        except Exception as error:  # of an address in a wrong form, anything
             raise UsageError(f"no dask scheduler answers at {self.address!r}: start one with `dask scheduler`") from error
 
     def _solve(self, client: Any, tasks: Sequence[Task]) -> Iterator[tuple[Task, Evaluated]]:
@@ -78,24 +79,53 @@ class Distributed:
         finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
         flying: dict[Any, Task] = {}
         compiled: set[Hashable] = {None}
+        session = uuid.uuid4().hex
         while waiting or flying:
             self._check(client)
             while waiting and len(flying) < max(1, IN_FLIGHT * _threads(client)):
                 task = waiting.take("", set(), {other.kernel for other in flying.values()} - compiled)
-                future = client.submit(solve_apart, _packed(task), sys.path, self.timeout, pure=False)
+                packed = _packed(task)
+                try:
+                    future = client.submit(solve_apart, packed, sys.path, self.timeout, session, pure=False)
+                except Exception:
+                    self._check(client)  # it was closed meanwhile
+                    raise
                 future.add_done_callback(finished.put)
                 flying[future] = task
             future = self._next(client, finished)
             task = flying.pop(future)
-            if future.cancelled():
+            try:
+                evaluated = self._evaluated(task, future)
+            except MpmverifyError:
+                self._keep(flying)
+                raise
+            if evaluated is None:
                 waiting.put(task)
                 continue
-            raised = future.exception()
-            if isinstance(raised, MpmverifyError):
-                raise raised
-            evaluated = failed(task, Status.CRASHED, f"{type(raised).__name__}: {raised}") if raised else future.result()
             compiled.add(task.kernel)
             yield task, stored(task, evaluated)
+
+    def _evaluated(self, task: Task, future: Any) -> Evaluated | None:
+        """Result of a finished future; None when the scheduler has forgotten it, or the connection was lost."""
+        if future.cancelled():
+            return None
+        raised = future.exception()
+        if isinstance(raised, MpmverifyError):
+            raise raised
+        if raised:
+            return failed(task, Status.CRASHED, f"{type(raised).__name__}: {raised}")
+        try:
+            found: Evaluated | tuple[Failure, str] = future.result()
+        except Exception:  # it was cancelled, or the connection closed, since it was asked for its exception
+            return None
+        return failed_by(self.timeout, task, *found) if isinstance(found, tuple) else found
+
+    def _keep(self, flying: dict[Any, Task]) -> None:
+        """Store what is finished: an error ends the command."""
+        for future, task in flying.items():
+            with contextlib.suppress(Exception):  # the error that is raised already comes first
+                if future.status == "finished" and (evaluated := self._evaluated(task, future)):
+                    stored(task, evaluated)
 
     def _next(self, client: Any, finished: "queue.SimpleQueue[Any]") -> Any:
         while True:
@@ -130,7 +160,7 @@ def _packed(task: Task) -> bytes:
 _thread = threading.local()
 
 
-def solve_apart(packed: bytes, path: Sequence[str], timeout: float) -> Evaluated:
+def solve_apart(packed: bytes, path: Sequence[str], timeout: float, session: str) -> Evaluated | tuple[Failure, str]:
     """Solve a run in the process that belongs to this thread of a dask worker.
 
     Parameters
@@ -141,14 +171,36 @@ def solve_apart(packed: bytes, path: Sequence[str], timeout: float) -> Evaluated
         Folders from which the sender imports. They come last here, so that nothing in them hides a library.
     timeout : float
         Limit [s].
+    session : str
+        Name of the command that sent the task; the process serves one command.
+
+    Returns
+    -------
+    Evaluated or (Failure, str)
+        The latter when the process ended or was ended.
 
     Raises
     ------
     UsageError
         If the code of the task cannot be imported here, or differs from the sender's.
     """
-    added = [folder for folder in path if folder not in sys.path]
-    sys.path.extend(added)
+    sys.path.extend(folder for folder in path if folder not in sys.path)
+    if getattr(_thread, "session", "") != session:
+        if _thread.__dict__.get("worker"):
+            _thread.worker.stop()
+        # A dask worker is a daemon, which multiprocessing forbids children. Ours end with their parent, see `serving`.
+        multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
+        _thread.worker, _thread.session = Worker(Crew(_solve_packed, _ended, timeout)), session
+    worker: Worker[bytes, Evaluated | tuple[Failure, str]] = _thread.worker
+    return worker.do(packed)
+
+
+def _ended(packed: bytes, failure: Failure, reason: str) -> tuple[Failure, str]:
+    return failure, reason
+
+
+def _solve_packed(packed: bytes) -> Evaluated | tuple[Failure, str]:
+    """Evaluate a task, if the code here is that of the sender: the result would be stored under a wrong key otherwise."""
     try:
         task: Task = pickle.loads(packed)
     except Exception as error:  # importing a module runs it, which may raise anything
@@ -156,18 +208,6 @@ def solve_apart(packed: bytes, path: Sequence[str], timeout: float) -> Evaluated
             f"a dask worker cannot import what it must run ({type(error).__name__}: {error}): install it where the worker runs, or "
             "give the worker a folder in which it lies"
         ) from error
-    worker: Worker[Task, Evaluated] | None = getattr(_thread, "worker", None)
-    if worker is None or worker.crew.limit != timeout or added:
-        if worker:
-            worker.stop()
-        # A dask worker is a daemon, which multiprocessing forbids children. Ours end with their parent, see `serving`.
-        multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
-        worker = _thread.worker = Worker(Crew(_same_code, partial(failed_by, timeout), timeout))
-    return worker.do(task)
-
-
-def _same_code(task: Task) -> Evaluated:
-    """Evaluate a task, if the code here is that of the sender: the result would be stored under a wrong key otherwise."""
     if run_key(task.problem, task.solver, task.discretisation, task.criteria) != task.key:
         raise UsageError(
             f"{task}: a dask worker has another version of the solver, of mpmverify or of a numerical library: install the same ones "

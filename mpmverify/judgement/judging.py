@@ -117,9 +117,13 @@ def _findings(
 
 
 def _fits(criteria: Sequence[Criterion], seen: Evidence) -> Fits:
-    told = {one.quantity: one.round_off for one in criteria if isinstance(one, Order)}
+    orders = [one for one in criteria if isinstance(one, Order)]
+    of_quantity = {one.quantity: one.round_off for one in orders}
+    told = {(one.quantity, one.norm): one.round_off for one in orders}
     found = {
-        (quantity, norm): seen.convergence(quantity, norm, round_off=told.get(quantity, ROUND_OFF))
+        (quantity, norm): seen.convergence(
+            quantity, norm, round_off=told.get((quantity, norm), of_quantity.get(quantity, ROUND_OFF))
+        )
         for quantity in seen.error
         for norm in NORMS
     }

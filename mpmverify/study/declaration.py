@@ -119,6 +119,7 @@ class Case:
             If no order is expected on the case, no ladder shows the declared ones, or a declaration is invalid; see `expectations`.
         """
         converging, ladder = self.converging(), self.ladder_in_h()
+        expectations(solver, self.problem, self.norm, self.margin)  # refuses what is no declaration
         beside = sorted(converging, key=lambda other: len(set(other.orders.items()) ^ set(solver.orders.items())))[:1]
         series = (
             Series(one, ladder, expectations(one, self.problem, self.norm, self.margin))

@@ -279,7 +279,7 @@
   }
 
   function heading(study, columns) {
-    const link = make("a", { href: `${study.study}.html` }, study.title);
+    const link = make("a", { href: `${encodeURIComponent(study.study)}.html` }, study.title);
     return make("tr", { class: "heading" }, make("th", { scope: "rowgroup", colspan: columns }, link));
   }
 
