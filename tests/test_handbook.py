@@ -27,7 +27,8 @@ INSTALLS = re.compile(r"python -m pip install --quiet -e [\"']?\.(?:\[(\w+)\])?[
 def environment():
     """The environment that the reader has activated."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    return {**os.environ, "PATH": path, "PYTHONWARNINGS": "error::RuntimeWarning"}
+    alone = {name: value for name, value in os.environ.items() if name != "PYTEST_XDIST_WORKER"}  # a reader has no workers
+    return {**alone, "PATH": path, "PYTHONWARNINGS": "error::RuntimeWarning"}
 
 
 @pytest.fixture(scope="module")

@@ -40,7 +40,7 @@ if problem["law"] != "LinearElastic" or problem["dimension"] > 1 or problem["bod
     print("it takes elastic bars without body force")
     raise SystemExit(77)
 if any(end != {"condition": "Velocity", "value": 0.0} for end in problem["boundary"].values()):
-    print("it takes bars that are held at both ends")
+    print("takes bars that are held at both ends")
     raise SystemExit(77)
 X, weight, u, v, *_ = np.loadtxt("points.txt").T
 c, dt, h = problem["wave_speed"], problem["dt"], problem["h"]

@@ -22,7 +22,7 @@ from mpmverify.execution.dask import Distributed
 from mpmverify.execution.runner import run, tasks_of
 
 distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
-TESTS = Path(__file__).parent
+TESTS = Path(__file__).parent.parent
 BEHAVIOURS = ("dies", "hangs", "raises", "leaves", "good", "unstable")
 
 
