@@ -13,6 +13,7 @@ import sys
 import threading
 import uuid
 from collections.abc import Hashable, Iterable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -116,8 +117,10 @@ class Distributed:
             return failed(task, Status.CRASHED, f"{type(raised).__name__}: {raised}")
         try:
             found: Evaluated | tuple[Failure, str] = future.result()
-        except Exception:  # it was cancelled, or the connection closed, since it was asked for its exception
+        except (CancelledError, OSError):  # it was cancelled, or the connection closed, since it was asked for its exception
             return None
+        except Exception as error:  # a result that cannot be read: sent again, it could not be read again
+            return failed(task, Status.CRASHED, f"{type(error).__name__}: {error}")
         return failed_by(self.timeout, task, *found) if isinstance(found, tuple) else found
 
     def _keep(self, flying: dict[Any, Task]) -> None:

@@ -24,7 +24,7 @@ def test_every_order_is_that_of_theory_and_momentum_balances(name, verify):
 
 def test_the_constant_of_plane_stress_in_place_of_that_of_plane_strain_fails(monkeypatch):
     case, series = SERIES["plane-waves, box-scikit-fem-P1-lumped"]
-    plane_stress = lambda lam, mu: linear_elasticity(2 * lam * mu / (lam + 2 * mu), mu)  # noqa: E731
+    plane_stress = lambda lam, mu: linear_elasticity(2 * lam * mu / (lam + 2 * mu), mu)  # noqa: E731 - one formula
     monkeypatch.setattr(scikit_fem_waves, "linear_elasticity", plane_stress)
     found = verified(series.solver, STUDY, case.name, refinement=series.refinement, criteria=expected(1)[:3])
     assert {finding.verdict for finding in found} == {Verdict.FAIL}

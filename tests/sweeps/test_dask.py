@@ -7,8 +7,10 @@ import socket
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from faulty_solvers import Scripted, plan, study
@@ -230,3 +232,16 @@ def test_a_solver_that_cannot_be_pickled_is_named(cluster, tmp_path):
         UsageError, match=r"cannot be sent to a worker .it holds an open file.: define the class at the top of a"
     ):
         list(Distributed(cluster.scheduler_address, 20.0).evaluate(tasks_of(study(Unsendable()), plan(tmp_path))))
+
+
+@pytest.mark.parametrize(
+    ("raised", "outcome"), [(CancelledError(), None), (OSError(), None), (ValueError("torn"), "crashed; ValueError: torn")]
+)
+def test_a_result_that_cannot_be_read_fails_and_one_that_was_lost_is_sent_again(tmp_path, raised, outcome):
+    def result():
+        raise raised
+
+    (task, *_) = tasks_of(study(), plan(tmp_path))
+    future = SimpleNamespace(cancelled=lambda: False, exception=lambda: None, result=result)
+    found = Distributed("", 1.0)._evaluated(task, future)
+    assert found is None if outcome is None else found.level.outcome.startswith(outcome)

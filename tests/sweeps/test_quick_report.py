@@ -6,18 +6,14 @@ It needs the results of `mpmverify run` in the folder `results` of the checkout,
 import importlib.util
 import os
 import re
-import sys
 from html import unescape
 from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
+from browser import BROWSER, acted
 
 TESTS = Path(__file__).parent.parent
-sys.path.append(str(TESTS))
-
-from browser import BROWSER, acted  # noqa: E402
-
 REPORT = Path(os.environ.get("MPMVERIFY_REPORT", TESTS.parent / "results" / "report"))
 PAGES = sorted(path.relative_to(REPORT).as_posix() for path in REPORT.rglob("*.html"))
 SOLVERS = [page for page in PAGES if page.startswith("solver-")]
