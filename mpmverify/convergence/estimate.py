@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmverify.convergence.levels import Array
-from mpmverify.convergence.student import student_probability, student_quantile
+from mpmverify.convergence.student import student_density, student_probability, student_quantile
 
 SCATTER = 0.005
 """Standard deviation of log E about a law that is expected before the errors are seen."""
@@ -39,7 +39,7 @@ NEAR_ZERO = 0.1
 AMPLITUDES = np.linspace(-0.55, 0.55, 48)
 """Ratios of the alternating part to the other one at the coarsest size."""
 END = 1e-7
-"""Accuracy of the end of an interval, which bisection finds between the least and the greatest end by a single law."""
+"""Accuracy of the end of an interval, which lies between the least and the greatest end by a single law."""
 NEGLIGIBLE = 1e-3
 """Probability of the least probable laws, all together, that are left out."""
 
@@ -146,20 +146,30 @@ class Estimate:
     def interval(self, confidence: float) -> tuple[float, float]:
         """Interval of the order of the finest step, with equal probabilities below and above."""
         tails = np.array([0.5 - confidence / 2, 0.5 + confidence / 2])
-        half_width = np.array([student_quantile(int(n), confidence) for n in self.freedom]) * self.error
+        freedom = self.freedom.astype(int)
+        half_width = np.array([student_quantile(n, confidence) for n in range(1, freedom.max() + 1)])[freedom - 1] * self.error
         quantiles = self.limit + self.step + np.stack([-half_width, half_width])
-        low, high = quantiles.min(axis=1), quantiles.max(axis=1)
-        while np.any(high - low > END * np.maximum(1.0, np.abs(low))):
-            middle = (low + high) / 2
-            below = self.step_below(middle) < tails
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-        return min(float(low[0]), self.order), max(float(high[1]), self.order)
+        low, high, end = quantiles.min(axis=1), quantiles.max(axis=1), quantiles[:, 0]
+        while (
+            True
+        ):  # Newton's iteration from the ends by the most probable law; a step that leaves the bracket halves it instead
+            missing = tails - self.step_below(end)
+            low, high = np.where(missing > 0, end, low), np.where(missing > 0, high, end)
+            newton = end + missing / self._step_density(end)
+            following = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2)
+            if np.all(np.abs(following - end) <= END * np.maximum(1.0, np.abs(end))):
+                return min(float(following[0]), self.order), max(float(following[1]), self.order)
+            end = following
 
     def step_below(self, order: Array | float) -> Array:
         """Probability that the order of the finest step lies below a value, or each of several (m,)."""
         away = (np.asarray(order)[..., None] - self.limit - self.step) / self.error
         probability: Array = student_probability(self.freedom, away) @ self.weight
         return probability
+
+    def _step_density(self, order: Array) -> Array:
+        away = (order[:, None] - self.limit - self.step) / self.error
+        return np.maximum(student_density(self.freedom, away) / self.error @ self.weight, np.finfo(float).tiny)
 
     def below(self, order: float) -> Tail:
         """Probabilities that the order lies below a value."""

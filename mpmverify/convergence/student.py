@@ -36,6 +36,14 @@ def student_probability(degrees_of_freedom: Array, t: Array) -> Array:
     return 0.5 + np.where(odd, (angle + both) / math.pi, both / 2)
 
 
+def student_density(degrees_of_freedom: Array, t: Array) -> Array:
+    """Density of Student's t; the parameters are those of `student_probability`."""
+    n = degrees_of_freedom
+    log_gamma = np.array([math.lgamma(k / 2) for k in range(1, int(n.max()) + 2)])
+    whole = n.astype(int)
+    return np.exp(log_gamma[whole] - log_gamma[whole - 1]) / np.sqrt(math.pi * n) * (1 + t * t / n) ** (-(n + 1) / 2)
+
+
 @cache
 def student_quantile(degrees_of_freedom: int, confidence: float) -> float:
     """Half-width of the two-sided interval of Student's t, in standard errors.
