@@ -4,6 +4,7 @@ import numpy as np
 
 from mpmverify.errors import UsageError
 from mpmverify.exact import ExactSolution
+from mpmverify.exact.solution import ExactField
 from mpmverify.problem import Array
 from mpmverify.problem.quantities import multiplicity
 from mpmverify.solution import Solution
@@ -13,19 +14,28 @@ NORMS = ("L1", "L2", "Linf", "L2-max")
 initial volume of the body, so that every norm has the unit of its field."""
 
 
-def l1(values: Array, weight: Array) -> Array:
-    """Return sum_p w_p |e_p| for values (T, P, components) and weights (T, P), as (T,)."""
-    return np.sum(weight * np.linalg.norm(values, axis=-1), axis=-1)
+BLOCK = 4096
+"""Number of values at points, counted at every time, that are compared at once: their arrays fit a cache."""
 
 
-def l2(values: Array, weight: Array) -> Array:
-    """Return sqrt(sum_p w_p |e_p|^2) for values (T, P, components) and weights (T, P), as (T,)."""
-    return np.sqrt(np.sum(weight * np.sum(values**2, axis=-1), axis=-1))
+def magnitude(values: Array) -> Array:
+    """Return |e_p| (T, P) of values (T, P, components)."""
+    return np.abs(values[..., 0]) if values.shape[-1] == 1 else np.sqrt(np.einsum("...c,...c->...", values, values))
 
 
-def linf(values: Array) -> Array:
-    """Return max_p |e_p| for values (T, P, components), as (T,)."""
-    return np.max(np.linalg.norm(values, axis=-1), axis=-1)
+def l1(size: Array, weight: Array) -> Array:
+    """Return sum_p w_p |e_p| for magnitudes and weights (T, P), as (T,)."""
+    return np.sum(weight * size, axis=-1)
+
+
+def l2(size: Array, weight: Array) -> Array:
+    """Return sqrt(sum_p w_p |e_p|^2) for magnitudes and weights (T, P), as (T,)."""
+    return np.sqrt(np.sum(weight * size**2, axis=-1))
+
+
+def linf(size: Array) -> Array:
+    """Return max_p |e_p| for magnitudes (T, P), as (T,)."""
+    return np.max(size, axis=-1)
 
 
 def norms(values: Array, weight: Array) -> Array:
@@ -47,8 +57,7 @@ def norms(values: Array, weight: Array) -> Array:
     -----
     L1 is (sum_p w_p |e_p|) / |Omega| and L2 is sqrt(sum_p w_p |e_p|^2 / |Omega|).
     """
-    one, two, largest = _over_time(values, weight)
-    return np.array([one[-1], two[-1], largest[-1], np.max(two)])
+    return _norms(_over_time(values, _shares(weight)))
 
 
 def sizes(values: Array, weight: Array) -> Array:
@@ -57,17 +66,31 @@ def sizes(values: Array, weight: Array) -> Array:
     It is the largest over the output times of the same norm: L1, L2, Linf and L2. A field that vanishes at the final time has a size.
     The parameters are those of `norms`.
     """
-    one, two, largest = np.max(_over_time(values, weight), axis=1)
+    return _sizes(_over_time(values, _shares(weight)))
+
+
+def _norms(over_time: Array) -> Array:
+    one, two, largest = over_time
+    return np.array([one[-1], two[-1], largest[-1], np.max(two)])
+
+
+def _sizes(over_time: Array) -> Array:
+    one, two, largest = np.max(over_time, axis=1)
     return np.array([one, two, largest, two])
 
 
-def _over_time(values: Array, weight: Array) -> Array:
-    """Return L1, L2 and Linf at every output time (3, T); all NaN for weights that are not valid, see `norms`."""
+def _shares(weight: Array) -> Array:
+    """Return the weights (T, P) as shares of the measure of the body [1]; all NaN for weights that are not valid, see `norms`."""
     measure = weight.sum(axis=-1)
     if not (np.all(weight >= 0) and np.all(np.isfinite(measure) & (measure > 0))):
-        return np.full((3, len(weight)), np.nan)
-    weight = weight / measure[0]
-    return np.array([l1(values, weight), l2(values, weight), linf(values)])
+        return np.full_like(weight, np.nan, dtype=float)
+    return weight / measure[0]
+
+
+def _over_time(values: Array, share: Array) -> Array:
+    """Return L1, L2 and Linf at every output time (3, T); all NaN where the shares are."""
+    size = magnitude(values)
+    return np.array([l1(size, share), l2(size, share), np.where(np.isnan(share[:, 0]), np.nan, linf(size))])
 
 
 def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, Array]]:
@@ -96,18 +119,24 @@ def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, A
     samples = (len(solution.time), len(solution.reference))
     if solution.weight.shape != samples or not all(samples):
         raise UsageError(f"a solver must return weights (T, P) = {samples} of at least one point, not {solution.weight.shape}")
-    table = {}
+    share, table = _shares(solution.weight), {}
     for quantity, closed_form in exact.fields.items():
         if quantity in solution.fields:
-            expected = closed_form(solution.reference, solution.time)
-            found = solution.fields[quantity].shape
-            entries = np.sqrt(multiplicity(quantity, solution.reference.shape[1]))
-            if not found == expected.shape == (*samples, len(entries)):
-                raise UsageError(
-                    f"a solver must return {quantity} as (T, P, components) = {(*samples, len(entries))}, not {found}"
-                )
-            table[quantity] = (
-                norms((solution.fields[quantity] - expected) * entries, solution.weight),
-                sizes(expected * entries, solution.weight),
-            )
+            compared = _compared(quantity, solution, closed_form, share)
+            table[quantity] = (_norms(compared[0]), _sizes(compared[1]))
     return table
+
+
+def _compared(quantity: str, solution: Solution, closed_form: ExactField, share: Array) -> Array:
+    """Return L1, L2 and Linf of the error and of the exact field at every output time (2, 3, T)."""
+    times, points = share.shape
+    entries = np.sqrt(multiplicity(quantity, solution.reference.shape[1]))
+    required, found = (times, points, len(entries)), solution.fields[quantity].shape
+    parts = []
+    for some in np.array_split(np.arange(times), min(times, 1 + times * points // BLOCK)):
+        expected = closed_form(solution.reference, solution.time[some])
+        if not (found == required and expected.shape == (len(some), *required[1:])):
+            raise UsageError(f"a solver must return {quantity} as (T, P, components) = {required}, not {found}")
+        difference = (solution.fields[quantity][some] - expected) * entries
+        parts.append([_over_time(values, share[some]) for values in (difference, expected * entries)])
+    return np.concatenate(parts, axis=-1)
