@@ -4,6 +4,8 @@ import dataclasses
 import json
 import os
 import signal
+import threading
+import time
 from pathlib import Path
 
 import netCDF4
@@ -18,7 +20,7 @@ from mpmverify.dataset.leftovers import leftovers
 from mpmverify.dataset.study import read_tree, stored_findings
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
-from mpmverify.execution import evaluation
+from mpmverify.execution import evaluation, runner
 from mpmverify.execution.gate import accept, gate
 from mpmverify.execution.runner import read_verdicts, run, tasks_of
 from mpmverify.judgement.baseline import read_baseline
@@ -418,6 +420,35 @@ def test_the_cheapest_study_is_judged_first_and_its_longest_run_is_solved_first(
     sizes = [float(line.split()[1]) for line in journal.read_text().splitlines()]
     assert sizes == sorted(sizes)
     assert len(sizes) == LEVELS
+
+
+def test_a_study_is_judged_while_others_are_solved_and_never_while_the_caller_has_a_result(tmp_path, monkeypatch):
+    going_on, at_the_caller, judged = threading.Event(), threading.Event(), []
+    judge = runner._judged
+
+    def patient(declared, *rest):
+        assert going_on.wait(60), "no run was finished meanwhile"
+        assert not at_the_caller.is_set()
+        judged.append(declared.name)
+        return judge(declared, *rest)
+
+    monkeypatch.setattr(runner, "_judged", patient)
+    studies = [study(name=name) for name in ("first", "second")]
+    for result in run(studies, plan(tmp_path, jobs=1), lambda name, *_: going_on.set() if name == "second" else None):
+        at_the_caller.set()
+        time.sleep(0.1)
+        assert judged[-1] == result.study
+        at_the_caller.clear()
+    assert judged == ["first", "second"]
+
+
+def test_an_error_of_judging_beside_the_runs_is_raised(tmp_path, monkeypatch):
+    def failing(*_):
+        raise ResultsError("the disk is full")
+
+    monkeypatch.setattr(runner, "_judged", failing)
+    with pytest.raises(ResultsError, match="the disk is full"):
+        list(run([study(), study(name="other")], plan(tmp_path, jobs=1)))
 
 
 def test_the_seconds_of_a_study_are_those_of_its_runs(tmp_path):

@@ -2,8 +2,11 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 from mpmverify.criteria import check_storable
 from mpmverify.criteria.evidence import evidence_by_series
@@ -19,6 +22,8 @@ from mpmverify.judgement.judging import judge
 from mpmverify.problem import Discretisation, Problem
 from mpmverify.study import Study
 
+FEW = 50
+"""Number of finished runs up to which this process reads them back: workers take longer to start."""
 SHOWN_POINTS = 160
 """Largest number of cells times particles per cell of the level that the pages show."""
 JUDGING = ("mpmverify.execution.evaluation", "mpmverify.judgement.judging", "mpmverify.dataset.study")
@@ -139,17 +144,48 @@ def run(
             work[study.name] = tasks
     by_name = {study.name: study for study in studies}
     done: dict[str, dict[int, Evaluated]] = {name: {} for name in work}
-    for task, evaluated in _evaluate([task for tasks in work.values() for task in tasks], plan):
-        finished, tasks = done[task.study], work[task.study]
-        finished[task.index] = evaluated
-        progress(task.study, len(finished), len(tasks))
-        if len(finished) == len(tasks):
-            yield _judged(by_name[task.study], plan, tasks, [finished[k] for k in range(len(tasks))])
+
+    todo = [task for tasks in work.values() for task in tasks]
+    solved = all(_at_hand(task) for task in todo)
+    here = plan.jobs == 0 or (solved and len(todo) <= FEW)
+
+    def judgements() -> Iterator[Callable[[], StudyRun] | None]:
+        for task, evaluated in _evaluate(todo, plan, here=here):
+            finished, tasks = done[task.study], work[task.study]
+            finished[task.index] = evaluated
+            progress(task.study, len(finished), len(tasks))
+            complete = len(finished) == len(tasks)
+            results = [finished[k] for k in range(len(tasks))] if complete else []
+            yield partial(_judged, by_name[task.study], plan, tasks, results) if complete else None
+
+    # Where this process solves or stores runs itself, nothing is judged meanwhile: the netCDF library takes one thread at a time.
+    yield from (judged() for judged in judgements() if judged) if here or plan.scheduler else _beside(judgements())
 
 
-def _evaluate(tasks: list[Task], plan: Plan) -> Iterator[tuple[Task, Evaluated]]:
-    at_hand = {id(task) for task in tasks if task.reuse and plan.results.run(task.key).exists()}
-    cost = {id(task): 0.0 if id(task) in at_hand else _cost(task) for task in tasks}
+def _beside(calls: Iterable[Callable[[], StudyRun] | None]) -> Iterator[StudyRun]:
+    """Make calls in another thread, one at a time, while the iterable goes on; none is made while the caller has a result."""
+    waiting: deque[Callable[[], StudyRun]] = deque()
+    running: Future[StudyRun] | None = None
+    with ThreadPoolExecutor(1) as thread:
+        for call in calls:
+            if call:
+                waiting.append(call)
+            if running and running.done():
+                yield running.result()
+                running = None
+            if waiting and not running:
+                running = thread.submit(waiting.popleft())
+        while running:
+            yield running.result()
+            running = thread.submit(waiting.popleft()) if waiting else None
+
+
+def _at_hand(task: Task) -> bool:
+    return task.reuse and task.results is not None and Results(task.results).run(task.key).exists()
+
+
+def _evaluate(tasks: list[Task], plan: Plan, *, here: bool) -> Iterator[tuple[Task, Evaluated]]:
+    cost = {id(task): 0.0 if _at_hand(task) else _cost(task) for task in tasks}
     # Study by study, the cheapest first: its verdicts are there soon. In each the longest run first: no process waits for it at the end.
     total = {task.study: 0.0 for task in tasks}
     for task in tasks:
@@ -158,7 +194,7 @@ def _evaluate(tasks: list[Task], plan: Plan) -> Iterator[tuple[Task, Evaluated]]
     ordered = sorted(tasks, key=lambda task: (rank[task.study], -cost[id(task)]))
     if plan.scheduler:
         yield from Distributed(plan.scheduler, plan.timeout).evaluate(ordered)
-    elif plan.jobs == 0 or (len(at_hand) == len(tasks) and len(tasks) <= 50):
+    elif here:
         yield from processes.inline(ordered)
     else:
         yield from processes.over_processes(ordered, plan.jobs, plan.timeout)
