@@ -112,7 +112,7 @@ def field_panels(record: Record, drawn: Mapping[str, Sequence[int]], room: int) 
 
 def _body(entry: Series, field: Field) -> _Body:
     quantities = fields.quantities(field)
-    groups = {quantity.group: fields.size_of_group(quantity, quantities) for quantity in quantities}
+    groups = {group: fields.size_of_group(group, quantities) for group in {quantity.group for quantity in quantities}}
     sizes = {quantity.key: groups[quantity.group] for quantity in quantities}
     scales = {quantity.key: fields.scale(quantity, sizes[quantity.key]) for quantity in quantities}
     name = f"{entry.solver}, {ladder(entry.refinement)}"

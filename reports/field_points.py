@@ -1,5 +1,7 @@
 """Points of fields in two and three dimensions: where they are, and which of them a page shows."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -74,10 +76,15 @@ def _first_in_cells(reference: Array, edge: float, offset: float) -> NDArray[np.
 
 def spacing(reference: Array, h: float) -> float:
     """Return the median distance [m] of points (P, dim) from their nearest neighbours; `h` if there is none."""
-    if len(reference) < 2:
-        return h
-    near = float(np.median(cKDTree(reference).query(reference, k=2)[0][:, 1]))
+    near = _nearest(np.ascontiguousarray(reference).tobytes(), reference.shape[1]) if len(reference) > 1 else 0.0
     return near if near > 0 else h
+
+
+@lru_cache(maxsize=512)
+def _nearest(points: bytes, dimension: int) -> float:
+    """Return the median distance of points from their nearest neighbours; the fields of many series are at the same points."""
+    places = np.frombuffer(points).reshape(-1, dimension)
+    return float(np.median(cKDTree(places).query(places, k=2)[0][:, 1]))
 
 
 def thinnest(reference: Array) -> int:

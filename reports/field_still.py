@@ -106,12 +106,12 @@ def field_still(field: Field, key: str) -> tuple[str, str]:
     every = fields.quantities(field)
     quantity = next(entry for entry in every if entry.key == key)
     row, part = fields.telling(quantity, np.arange(len(field.time))), cut(field, POINTS)
-    scale = fields.scale(quantity, fields.size_of_group(quantity, every))
+    scale = fields.scale(quantity, fields.size_of_group(quantity.group, every))
     views: list[tuple[str, Array, Array, Scale]] = [
         ("numerical", field_points.positions(field)[row], quantity.numerical[row], scale),
     ]
     if quantity.exact is not None and quantity.error is not None:
-        error = fields.held_error(quantity, fields.size_of_group(quantity, every))
+        error = fields.held_error(quantity, fields.size_of_group(quantity.group, every))
         reach = float(np.abs(error[np.isfinite(error)]).max(initial=0.0))
         views.append(("exact", field_points.positions(field, exact=True)[row], quantity.exact[row], scale))
         views.append(("numerical − exact", views[0][1], error[row], Scale(-reach, reach, True)))

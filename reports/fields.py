@@ -144,12 +144,12 @@ def _norm(field: Field, group: str, suffixes: Mapping[str, str], product: Produc
     return Quantity(f"{group}_{key}", shown, group, units, numerical, exact, error)
 
 
-def size_of_group(quantity: Quantity, quantities: Sequence[Quantity]) -> float:
+def size_of_group(name: str, quantities: Sequence[Quantity]) -> float:
     """Return the size of the fields of one group: the largest exact value, or what nine tenths of the numerical values stay below.
 
     The latter counts where the exact field vanishes; a few points that have left the body do not change it.
     """
-    group = [entry for entry in quantities if entry.group == quantity.group]
+    group = [entry for entry in quantities if entry.group == name]
     peaks = [_peak(entry.exact) for entry in group if entry.exact is not None]
     sizes = [np.abs(entry.numerical[np.isfinite(entry.numerical)]) for entry in group]
     return max([*peaks, *(float(np.quantile(entry, 0.9)) for entry in sizes if entry.size)], default=0.0)

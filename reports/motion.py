@@ -130,7 +130,7 @@ def _of_field(field: Field, case: Case) -> Motion | None:
     factor = float(min(WIDTH / (high[0] - low[0]), FIELD_HEIGHT / (high[1] - low[1])))
     height = float((high[1] - low[1]) * factor) + 18
     frame = Frame(low, high, float(WIDTH - (high[0] - low[0]) * factor) / 2, 18.0, factor)
-    scale = fields.scale(quantity, fields.size_of_group(quantity, every))
+    scale = fields.scale(quantity, fields.size_of_group(quantity.group, every))
     frames = [
         "".join(dots(frame.place(drawn[k]), quantity.exact[row][part.points], scale, layer * factor))
         for k, row in enumerate(rows)

@@ -77,7 +77,7 @@ def _thumbnail(field: Field, shown: str, name: str) -> str:
     factor = float(min(WIDTH / (high[0] - low[0]), FIELD_HEIGHT / (high[1] - low[1])))
     left, top = ((room - extent * factor) / 2 for room, extent in zip((WIDTH, FIELD_HEIGHT), high - low, strict=True))
     frame = Frame(low, high, float(left), float(top), factor)
-    scale = fields.scale(quantity, fields.size_of_group(quantity, every))
+    scale = fields.scale(quantity, fields.size_of_group(quantity.group, every))
     places = field_points.positions(field)[row][part.points][:, part.axes]
     drawn = "".join(dots(frame.place(places), quantity.numerical[row][part.points], scale, layer * factor))
     label = escape(f"{quantity.name}, {name}", quote=True)

@@ -307,7 +307,7 @@ def test_one_point_that_has_left_the_body_does_not_coarsen_the_others(stored: di
     flown = dataclasses.replace(field, error=error, numerical={name: field.exact[name] + error[name] for name in error})
     every = fields.quantities(flown)
     quantity = made_quantity(flown, "displacement_x")
-    held = fields.held_error(quantity, fields.size_of_group(quantity, every))
+    held = fields.held_error(quantity, fields.size_of_group(quantity.group, every))
     assert held.max() < 10
     np.testing.assert_array_equal(held[:, 1:], field.error["displacement_x"][:, 1:])
     low, high = field_points.view(flown, 0.1)
