@@ -135,7 +135,8 @@ class Solution:
 
     The histories of a transported scalar are "mass" [m], the integral of u over the box, and "inflow" [m], the time integral from 0
     of the flux in minus the flux out through open ends. A solver that declares that it conserves "mass" returns "mass", and "inflow"
-    if ends are open; one that declares "momentum" returns "momentum" and "impulse".
+    if ends are open; one that declares "momentum" returns "momentum" and "impulse"; one
+    that declares "energy" returns "kinetic_energy", "strain_energy" and "external_work".
     """
 
     time: Array
@@ -228,7 +229,7 @@ class Solver(Protocol):
 
     @property
     def conserves(self) -> frozenset[str]:
-        """Invariants that the scheme conserves to round-off: any of "mass" and "momentum"."""
+        """What the scheme conserves: any of "mass" and "momentum", to round-off, and "energy", at its order."""
 
     def solve(self, problem: Problem, discretisation: Discretisation) -> Solution:
         """Solve the problem on one level.

@@ -237,7 +237,7 @@ def test_a_program_that_takes_too_much_memory_fails(folder):
         ({"orders": "{ displacement = true }"}, "a table of the order"),
         ({"coarse_orders": "{ temperature = 2 }"}, "a table of the order on coarse levels"),
         ({"round_off": "0.01"}, "a relative error up to 1e-05"),
-        ({"conserves": '["energy"]'}, "a list of mass, momentum"),
+        ({"conserves": '["charm"]'}, "a list of mass, momentum, energy"),
         ({"sources": '["none.f90"]'}, "there is no file 'none.f90'"),
         ({"points": '"cells"'}, "particles or nodes"),
         ({"time_limit": "0"}, "a positive number of seconds"),

@@ -115,6 +115,18 @@ def test_expected_orders_follow_from_the_smoothness_of_each_quantity(problem, ex
         assert found[quantity][1:] == pytest.approx(edges, abs=1e-3)
 
 
+def test_a_declared_energy_is_kept_at_the_order_of_the_motion_less_a_half():
+    def lows(problem, kept, **choices):
+        solver = Claiming(kept=kept, **choices)
+        return [c.low for c in expectations(solver, problem, "L2") if isinstance(c, EnergyDrift)]
+
+    smooth = studies.get("axial-vibration").cases[0].problem
+    assert lows(smooth, ("energy",), of="velocity") == [pytest.approx(2.0 - 0.15 - 0.5)]
+    assert lows(smooth, ("mass", "momentum"), of="velocity") == []
+    assert lows(elastic_bar(), ("energy",), of="velocity") == [0.25], "a jump leaves the order next to nothing"
+    assert lows(advection(Gaussian()), ("energy",), of="u") == [], "a scalar has none"
+
+
 def test_the_expected_balances_depend_on_the_problem():
     def balances(problem, kept=("mass", "momentum")):
         solver = Claiming(of="u" if "u" in problem.exact.fields else "velocity", kept=kept)

@@ -10,11 +10,11 @@ from typing import Any
 from mpmverify.adapters.executable import Executable
 from mpmverify.adapters.files import Files, read_index
 from mpmverify.criteria.errors import LARGEST_ROUND_OFF
+from mpmverify.criteria.expectations import INVARIANTS
 from mpmverify.errors import UsageError
 from mpmverify.problem.quantities import UNITS
 
 BENCH_SUFFIX = ".toml"
-INVARIANTS = ("mass", "momentum")
 
 
 def read_bench(path: Path) -> Executable | Files:

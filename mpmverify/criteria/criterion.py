@@ -40,7 +40,7 @@ class Criterion(Protocol):
         """Return the verdict on the runs of a series, with the reason in one sentence."""
 
 
-JUDGED = frozenset({"source", "low", "high", "bound", "limit", "cells", "slack", "tolerance"})
+JUDGED = frozenset({"source", "low", "high", "bound", "limit", "cells", "slack", "tolerance", "round_off"})
 """Fields of criteria that `judge` reads and `measure` does not: a measured run can be judged by others."""
 
 

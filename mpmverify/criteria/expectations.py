@@ -7,7 +7,7 @@ from numbers import Real
 import numpy as np
 
 from mpmverify.convergence import ROUND_OFF
-from mpmverify.criteria import Balance, Order
+from mpmverify.criteria import Balance, EnergyDrift, Order
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.errors import LARGEST_ROUND_OFF
 from mpmverify.errors import UsageError
@@ -17,8 +17,12 @@ from mpmverify.solution import Solver
 
 MARGIN = 0.15
 """Accepted difference between the observed and the formal order on smooth data, unless the case knows another."""
-INVARIANTS = ("mass", "momentum")
-"""Quantities that a solver may declare to conserve."""
+INVARIANTS = ("mass", "momentum", "energy")
+"""Quantities that a solver may declare to conserve: the first two to round-off, energy at the order of the scheme."""
+LAYERS = 0.5
+"""How far the order of the energy drift may lie below that of the scheme: layers of width h at ends and surfaces take half an order."""
+FALLS = 0.25
+"""Least order of the energy drift, however low the order of the scheme on the data."""
 THEORY = (
     "a scheme of order p on data with s derivatives in L1 has at most the order s p/(p+1) in L1, and at least its order in L2, "
     "(s-1/2) p/(p+1): Brenner, Thomee and Wahlbin (1975), doi:10.1007/BFb0068125"
@@ -73,7 +77,8 @@ def expectations(solver: Solver, problem: VerificationProblem, norm: str, margin
     Returns
     -------
     tuple of Criterion
-        An `Order` for every declared quantity that the exact solution has, and a `Balance` for every declared invariant.
+        An `Order` for every declared quantity that the exact solution has, a `Balance` for declared mass and momentum, and an
+        `EnergyDrift` for the declared energy of a body.
 
     Raises
     ------
@@ -125,7 +130,21 @@ def expectations(solver: Solver, problem: VerificationProblem, norm: str, margin
             for invariant, source in _sources(problem).items()
             if invariant in solver.conserves
         ),
+        *((_energy(declared, problem, float(round_off)),) if "energy" in solver.conserves and _is_body(problem) else ()),
     )
+
+
+def _is_body(problem: VerificationProblem) -> bool:
+    return not isinstance(problem.problem.material, Transport)
+
+
+def _energy(declared: Mapping[str, list[float]], problem: VerificationProblem, round_off: float) -> EnergyDrift:
+    """Return the criterion on the energy: its drift falls at the order of the motion, less `LAYERS`."""
+    moving = [least for quantity, (least, _) in declared.items() if quantity in ("displacement", "velocity")]
+    order = min(moving or [least for least, _ in declared.values()])
+    low = max(FALLS, round(min(order, order_band(order, problem.exact.derivatives)[0]) - LAYERS, 3))
+    source = f"the solver declares that it conserves energy, and order {order:g}; layers at ends and surfaces take up to half an order"
+    return EnergyDrift(low, source, max(EnergyDrift.round_off, round_off))
 
 
 def _order(

@@ -202,10 +202,13 @@ class EnergyDrift:
     low : float
         Lowest accepted order of the drift in dt; the drift may also be at round-off.
     source : str
+    round_off : float
+        Relative drift at and below which it is round-off.
     """
 
     low: float
     source: str
+    round_off: float = DRIFT_ROUND_OFF
 
     @property
     def title(self) -> str:
@@ -220,11 +223,11 @@ class EnergyDrift:
         drift = evidence.metrics[DRIFT]
         if not finite_and_non_negative(drift):
             return Verdict.ERROR, "the energy drift is not finite, or negative, on at least one level"
-        if np.all(drift <= DRIFT_ROUND_OFF):
+        if np.all(drift <= self.round_off):
             return Verdict.PASS, f"largest relative drift {drift.max():.1e}: round-off"
         if len(np.unique(evidence.dt)) < len(drift):
             return Verdict.INCONCLUSIVE, f"drift up to {drift.max():.1e}; an order in dt needs another dt on every level"
-        verdict, reason = judge_order(analyse(evidence.dt, drift, round_off=DRIFT_ROUND_OFF, size="dt"), self.low, PLAUSIBLE)
+        verdict, reason = judge_order(analyse(evidence.dt, drift, round_off=self.round_off, size="dt"), self.low, PLAUSIBLE)
         return verdict, f"drift {drift.min():.1e} at best, in dt: {reason}"
 
 

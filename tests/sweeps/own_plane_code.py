@@ -90,6 +90,7 @@ class OwnPlane:
     basis: str = "quadratic"
     musl: bool = False
     judged: tuple[str, ...] = ("displacement", "velocity", "stress", "displacement_gradient")
+    conserves: frozenset[str] = frozenset({"mass", "momentum"})
 
     @property
     def name(self):
@@ -100,8 +101,6 @@ class OwnPlane:
         strain = 2 if self.basis == "quadratic" else 1
         orders = {"displacement": 2, "velocity": 2, "stress": strain, "displacement_gradient": strain}
         return {quantity: order for quantity, order in orders.items() if quantity in self.judged}
-
-    conserves = frozenset({"mass", "momentum"})
 
     def solve(self, problem, discretisation):
         law, faces = problem.material, problem.boundary
