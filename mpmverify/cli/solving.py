@@ -30,11 +30,18 @@ if TYPE_CHECKING:
 @click.command("list")
 @studies_argument
 def list_(studies: tuple[str, ...]) -> None:
-    """List the studies, their cases and solvers."""
+    """List the studies, their cases and solvers; of a STUDY that is named, what each case asks of a solver."""
+    from mpmverify.cli.cases import described
+
     for study in _chosen(studies, (), None):
         click.echo(f"{study.name}: {study.title}")
-        click.echo(f"  cases    {'; '.join(case.name for case in study.cases)}")
+        if not studies:
+            click.echo(f"  cases    {'; '.join(case.name for case in study.cases)}")
         click.echo(f"  solvers  {', '.join(study.solvers())}")
+        for case in study.cases if studies else ():
+            click.echo(f"\n{study.name}, {case.name}")
+            for name, text in described(case):
+                click.echo(f"  {name:<12} {text}")
 
 
 @click.command(epilog=EPILOG)
