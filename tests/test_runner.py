@@ -4,8 +4,8 @@ import dataclasses
 import json
 import os
 import signal
-import threading
 import time
+from functools import partial
 from pathlib import Path
 
 import netCDF4
@@ -422,33 +422,41 @@ def test_the_cheapest_study_is_judged_first_and_its_longest_run_is_solved_first(
     assert len(sizes) == LEVELS
 
 
-def test_a_study_is_judged_while_others_are_solved_and_never_while_the_caller_has_a_result(tmp_path, monkeypatch):
-    going_on, at_the_caller, judged = threading.Event(), threading.Event(), []
-    judge = runner._judged
+def test_studies_are_judged_in_a_process_of_their_own_while_others_are_solved_and_the_last_one_here():
+    processes = []
 
-    def patient(declared, *rest):
-        assert going_on.wait(60), "no run was finished meanwhile"
-        assert not at_the_caller.is_set()
-        judged.append(declared.name)
-        return judge(declared, *rest)
+    def calls():
+        yield partial(os.getpid)
+        until = time.monotonic() + 120
+        while not processes:
+            assert time.monotonic() < until, "nothing was judged meanwhile"
+            time.sleep(0.01)
+            yield None
+        yield partial(os.getpid)
 
-    monkeypatch.setattr(runner, "_judged", patient)
-    studies = [study(name=name) for name in ("first", "second")]
-    for result in run(studies, plan(tmp_path, jobs=1), lambda name, *_: going_on.set() if name == "second" else None):
-        at_the_caller.set()
-        time.sleep(0.1)
-        assert judged[-1] == result.study
-        at_the_caller.clear()
-    assert judged == ["first", "second"]
+    for process in runner._beside(calls()):
+        processes.append(process)  # noqa: PERF402 - `calls` waits for the first one
+    assert processes[0] != os.getpid() == processes[-1]
 
 
-def test_an_error_of_judging_beside_the_runs_is_raised(tmp_path, monkeypatch):
-    def failing(*_):
-        raise ResultsError("the disk is full")
+def refuses(_):
+    raise ResultsError("the disk is full")
 
-    monkeypatch.setattr(runner, "_judged", failing)
-    with pytest.raises(ResultsError, match="the disk is full"):
-        list(run([study(), study(name="other")], plan(tmp_path, jobs=1)))
+
+def dies(_):
+    os._exit(3)
+
+
+@pytest.mark.parametrize(
+    ("judge", "sentence"),
+    [
+        (refuses, "the disk is full"),
+        (dies, "study 'scripted' could not be judged .died: the process died with exit status 3.: run it again"),
+    ],
+)
+def test_an_error_of_judging_in_a_process_of_its_own_is_raised(judge, sentence):
+    with pytest.raises(ResultsError, match=sentence):
+        list(runner._beside([partial(judge, study()), None, None]))
 
 
 def test_the_seconds_of_a_study_are_those_of_its_runs(tmp_path):

@@ -1,10 +1,10 @@
 """Studies run from their declaration to their judged file; finished runs are read back."""
 
 import math
+import operator
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 
@@ -12,10 +12,12 @@ from mpmverify.criteria import check_storable
 from mpmverify.criteria.evidence import evidence_by_series
 from mpmverify.dataset.files import Results, make_way
 from mpmverify.dataset.verdicts import read_verdicts, write_verdicts
+from mpmverify.errors import ResultsError
 from mpmverify.execution import processes
 from mpmverify.execution.dask import Distributed
 from mpmverify.execution.evaluation import Evaluated, Task, run_key
 from mpmverify.execution.keys import digest, file_digest
+from mpmverify.execution.workers import Crew, Failure, Worker
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.judging import judge
@@ -158,26 +160,37 @@ def run(
             results = [finished[k] for k in range(len(tasks))] if complete else []
             yield partial(_judged, by_name[task.study], plan, tasks, results) if complete else None
 
-    # Where this process solves or stores runs itself, nothing is judged meanwhile: the netCDF library takes one thread at a time.
-    yield from (judged() for judged in judgements() if judged) if here or plan.scheduler else _beside(judgements())
+    yield from (judged() for judged in judgements() if judged) if here else _beside(judgements())
 
 
 def _beside(calls: Iterable[Callable[[], StudyRun] | None]) -> Iterator[StudyRun]:
-    """Make calls in another thread, one at a time, while the iterable goes on; none is made while the caller has a result."""
+    """Make calls in a process of its own while the iterable goes on, and the rest here.
+
+    A thread would not do: the netCDF library takes one at a time, and what is read closes its file wherever it is collected.
+    """
     waiting: deque[Callable[[], StudyRun]] = deque()
-    running: Future[StudyRun] | None = None
-    with ThreadPoolExecutor(1) as thread:
+    judge = Worker(Crew(operator.call, _lost, math.inf))
+    try:
         for call in calls:
+            while judge.task and judge.connection.poll():
+                if finished := judge.receive():
+                    yield finished[1]
+            if waiting and not judge.task:
+                judge.start(waiting.popleft())
             if call:
-                waiting.append(call)
-            if running and running.done():
-                yield running.result()
-                running = None
-            if waiting and not running:
-                running = thread.submit(waiting.popleft())
-        while running:
-            yield running.result()
-            running = thread.submit(waiting.popleft()) if waiting else None
+                waiting.append(call)  # until the next run is finished: the last study is not worth another process
+        if judge.task:
+            yield judge.result()
+    finally:
+        judge.stop()
+    for call in waiting:
+        yield call()
+
+
+def _lost(call: "partial[StudyRun]", failure: Failure, reason: str) -> StudyRun:
+    raise ResultsError(
+        f"study {call.args[0].name!r} could not be judged ({failure}: {reason}): run it again, all its runs are at hand"
+    )
 
 
 def _at_hand(task: Task) -> bool:

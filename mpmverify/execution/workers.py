@@ -197,6 +197,10 @@ class Worker(Generic[T, R]):
             What the work raised of it.
         """
         self.start(task)
+        return self.result()
+
+    def result(self) -> R:
+        """Wait for the result of the task at hand; errors as of `do`."""
         while True:
             pause = max(0.0, self.deadline - time.monotonic())
             finished = None
