@@ -12,6 +12,7 @@ from .pages import IndexPage
 from .parts import Link, Matrix
 from .record import Record
 from .solver_names import family, pages_of
+from .verdict_changes import verdict_changes
 
 
 def index_page(records: Sequence[Record], generator: str, further: Sequence[Link] = ()) -> IndexPage:
@@ -33,6 +34,7 @@ def index_page(records: Sequence[Record], generator: str, further: Sequence[Link
         mark=mark(findings),
         headline=headline(findings, judged),
         changes=changes(findings),
+        runs=verdict_changes(records, places),
         made=_made(records),
         shares=judged,
         lacking=judgements([f for record in records for f in record.lacking], lambda f: f"{f.study}.html#lacking"),

@@ -26,6 +26,7 @@ from .parts import (
 )
 from .theory import Theory
 from .trust_parts import FateCounts, FaultRow, KillRow, RateTable, StudyKillsRow, UnmodifiedRow
+from .verdict_changes import RunChanges
 
 
 @dataclass(frozen=True)
@@ -121,6 +122,8 @@ class IndexPage:
         The worst verdict of all findings.
     headline, changes : str
         What failed first and why, and how the errors compare with the baseline, in a sentence each.
+    runs : tuple of RunChanges
+        Which verdicts changed since the run before; empty if nothing was judged before.
     made : str
         Commit, tier, platform and date of the results.
     shares : tuple of Share
@@ -147,6 +150,7 @@ class IndexPage:
     mark: Mark
     headline: str
     changes: str
+    runs: tuple[RunChanges, ...]
     made: str
     shares: tuple[Share, ...]
     lacking: tuple[Judgement, ...]

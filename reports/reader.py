@@ -15,6 +15,7 @@ from mpmverify.convergence.sources import Separation
 from mpmverify.dataset.criteria import stored_criterion
 from mpmverify.dataset.files import SCHEMA, check_ours, damaged
 from mpmverify.dataset.findings import read_lacking
+from mpmverify.dataset.history import read_history
 from mpmverify.dataset.sources import MEANING, source_of
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.judgement.findings import Finding
@@ -45,6 +46,7 @@ def read(path: Path) -> Record:
             series = [entry for solver, group in file.groups.items() for entry in _series(path.stem, solver, group)]
             schemes = {solver: str(group.scheme) for solver, group in file.groups.items()}
             missing = read_lacking(attributes)
+            past = read_history(path.stem, attributes, root)
     except ResultsError:
         raise
     except (OSError, RuntimeError, AttributeError, LookupError, TypeError, ValueError) as error:
@@ -57,6 +59,7 @@ def read(path: Path) -> Record:
         schemes,
         tuple(series),
         (dataclasses.replace(missing, study=path.stem),) if missing else (),
+        past,
     )
 
 

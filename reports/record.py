@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mpmverify.convergence.sources import Separation
 from mpmverify.convergence.verdict import Verdict
+from mpmverify.dataset.history import History
 from mpmverify.judgement.findings import Finding
 
 Array = NDArray[np.float64]
@@ -215,7 +216,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Record:
-    """A study file: attributes, cases, scheme of each solver, series, and a finding on baseline series that are missing."""
+    """A study file: attributes, cases, scheme of each solver, series, a finding on baseline series that are missing, and which verdicts changed."""
 
     name: str
     attributes: Mapping[str, Any]
@@ -223,6 +224,7 @@ class Record:
     schemes: Mapping[str, str]
     series: tuple[Series, ...]
     lacking: tuple[Finding, ...] = ()
+    history: History = field(default_factory=History)
 
     @property
     def judged(self) -> tuple[Finding, ...]:

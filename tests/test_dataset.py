@@ -315,7 +315,7 @@ def test_a_foreign_file_is_named_and_not_changed(tmp_path, make, kind):
     write = (
         (lambda: write_run(path, "k", run_of(solution()), "title"))
         if kind == "run"
-        else (lambda: write_study(path, study(), [], {}, judge("scripted", {}, {}), tier="quick", inputs=""))
+        else (lambda: write_study(path, study(), [], {}, judge("scripted", {}, {}), tier="quick", inputs="", run=""))
     )
     for act in (read, write):
         with pytest.raises(ResultsError) as error:
@@ -351,7 +351,7 @@ def test_a_damaged_file_is_named_and_set_aside_when_it_is_written_anew(tmp_path,
     write = (
         (lambda: write_run(path, "k", run_of(solution()), "title"))
         if kind == "run"
-        else (lambda: write_study(path, study(), [], {}, judge("scripted", {}, {}), tier="quick", inputs=""))
+        else (lambda: write_study(path, study(), [], {}, judge("scripted", {}, {}), tier="quick", inputs="", run=""))
     )
     for aside in (tmp_path / f"{kind}.nc.damaged", tmp_path / f"{kind}.nc.damaged-2"):
         make(path)

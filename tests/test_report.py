@@ -109,7 +109,7 @@ EVIDENCE = Evidence(
 NONE = Baseline(Path("none"))
 
 
-def store(results: Results, declared: Study, known: Baseline = NONE) -> list:
+def store(results: Results, declared: Study, known: Baseline = NONE, run: str = "") -> list:
     """Write a study file as a run does, and return the findings."""
     table, shots = [], {}
     for case, series in declared.series():
@@ -120,7 +120,7 @@ def store(results: Results, declared: Study, known: Baseline = NONE) -> list:
     evidence = evidence_by_series(table)
     judged = judge(declared.name, declared.criteria(), evidence, known, declared.restricted_to)
     results.create()
-    write_study(results.study(declared.name), declared, table, shots, judged, tier="quick", inputs="inputs")
+    write_study(results.study(declared.name), declared, table, shots, judged, tier="quick", inputs="inputs", run=run)
     return list(judged.findings)
 
 

@@ -81,7 +81,7 @@ def store(results: Results, dimension: int, solvers: tuple[str, ...] = ("one", "
     shots = {SeriesId(name, s, label): shot(name, label, dimension, **choices) if dimension > 1 else line for s in solvers}
     judged = judge("sample", declared.criteria(), evidence_by_series(levels), Baseline(Path("none")), "")
     results.create()
-    write_study(results.study("sample"), declared, levels, shots, judged, tier="quick", inputs="inputs")
+    write_study(results.study("sample"), declared, levels, shots, judged, tier="quick", inputs="inputs", run="")
 
 
 @pytest.fixture(scope="module")

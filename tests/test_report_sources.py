@@ -60,7 +60,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Record]:
     results.create()
     evidence = evidence_by_series(table)
     found = judge("sources", declared.criteria(), evidence, Baseline(Path("none")))
-    write_study(results.study("sources"), declared, table, {}, found, tier="quick", inputs="")
+    write_study(results.study("sources"), declared, table, {}, found, tier="quick", inputs="", run="")
     render(results)
     return results, read(results.study("sources"))
 

@@ -5,6 +5,8 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import netCDF4
+import numpy as np
 import xarray as xr
 
 from mpmverify.dataset.tree import text
@@ -22,9 +24,9 @@ def with_findings(dataset: xr.Dataset, findings: Sequence[Finding]) -> xr.Datase
     )
 
 
-def read_findings(study: str, solver: str, dataset: xr.Dataset) -> list[Finding]:
+def read_findings(study: str, solver: str, dataset: xr.Dataset | netCDF4.Group) -> list[Finding]:
     """Return the findings of a solver."""
-    columns = [dataset[f"verdict_{name}"].values.tolist() for name in COLUMNS]
+    columns = [np.asarray(dataset[f"verdict_{name}"][...]).tolist() for name in COLUMNS]
     where = {"study": study, "solver": solver}
     return [Finding.of(where | dict(zip(COLUMNS, row, strict=True))) for row in zip(*columns, strict=True)]
 

@@ -35,18 +35,23 @@ def versions() -> str:
     return ", ".join(f"{name} {version}" for name, version in table.items())
 
 
+def now() -> str:
+    """Return the time by ISO 8601."""
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
 def attributes(kind: str, title: str, summary: str) -> dict[str, str | int]:
     """Return the global attributes of a file by CF-1.11 and ACDD-1.3, with its provenance."""
     revision, state = commit()
-    now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    written = now()
     return {
         "Conventions": "CF-1.11, ACDD-1.3",
         "title": title,
         "summary": summary,
         "keywords": "verification, convergence, material point method, finite element method, wave propagation",
         "source": f"mpmverify {mpmverify.__version__}",
-        "history": f"{now} written by mpmverify {mpmverify.__version__}",
-        "date_created": now,
+        "history": f"{written} written by mpmverify {mpmverify.__version__}",
+        "date_created": written,
         "creator_name": "mpmverify",
         "creator_type": "institution",
         "standard_name_vocabulary": "none",

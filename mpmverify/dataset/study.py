@@ -2,7 +2,7 @@
 
 Layout
 ------
-/                    case metadata, provenance
+/                    case metadata, provenance, verdicts that changed since the run before
 /<solver>            error(level, quantity, norm), absolute errors and exact norms by quantity, fits by series, verdicts by criterion
 /<solver>/snapshots  fields of one level of each series: contiguous ragged arrays, one row per output time, one variable per component
 /<solver>/histories  energy, momentum, mass and impulse of the same runs: contiguous ragged arrays, one row per series
@@ -30,6 +30,7 @@ from mpmverify.dataset.criteria import read_criteria, with_criteria
 from mpmverify.dataset.files import check_ours, damaged, make_way
 from mpmverify.dataset.findings import lacking_attribute, read_findings, read_lacking, with_findings
 from mpmverify.dataset.fits import with_fits
+from mpmverify.dataset.history import History, history, with_history
 from mpmverify.dataset.levels import level_table, read_levels
 from mpmverify.dataset.snapshots import Snapshots, snapshot_groups
 from mpmverify.dataset.sources import with_sources
@@ -50,8 +51,9 @@ def write_study(
     *,
     tier: str,
     inputs: str,
+    run: str,
 ) -> None:
-    """Write the file of a judged study.
+    """Write the file of a judged study, with what has changed since the file that it replaces.
 
     Parameters
     ----------
@@ -69,6 +71,8 @@ def write_study(
         "quick" or "full".
     inputs : str
         Digest of everything that the file depends on; "" if the file must be written again at the next run.
+    run : str
+        Start of the run that judged the study, by ISO 8601.
 
     Raises
     ------
@@ -76,15 +80,24 @@ def write_study(
         If `path` is not an mpmverify study, or the file cannot be written.
     """
     make_way(path, "study")
-    tree = study_tree(study, levels, snapshots, judged, tier=tier, inputs=inputs)
+    series = [finding for findings in judged.by_series.values() for finding in findings]
+    past = history(path, run, series, study.restricted_to)
+    tree = study_tree(study, levels, snapshots, judged, past, tier=tier, inputs=inputs)
     write_atomic(path, lambda temporary: write_tree(temporary, tree))
 
 
 def study_tree(
-    study: Study, levels: Sequence[Level], snapshots: Mapping[SeriesId, Snapshots], judged: Judged, *, tier: str, inputs: str
+    study: Study,
+    levels: Sequence[Level],
+    snapshots: Mapping[SeriesId, Snapshots],
+    judged: Judged,
+    past: History,
+    *,
+    tier: str,
+    inputs: str,
 ) -> xr.DataTree:
     """Return the tree of a judged study; for the parameters see `write_study`."""
-    root = _root(study, tier, inputs, sorted({level.seed for level in levels if level.jitter}))
+    root = with_history(_root(study, tier, inputs, sorted({level.seed for level in levels if level.jitter})), past)
     groups = {"/": root.assign_attrs(lacking_attribute(judged.missing_series))}
     for name, solver in study.solvers().items():
         mine = [level for level in levels if level.solver == name]

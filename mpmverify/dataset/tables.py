@@ -5,13 +5,12 @@ from pathlib import Path
 
 import xarray as xr
 
-from mpmverify.convergence.verdict import Verdict, worst
 from mpmverify.criteria.evidence import SeriesId, evidence_of
 from mpmverify.dataset.fits import read_orders
 from mpmverify.dataset.levels import read_levels
 from mpmverify.dataset.study import parsing, read_tree, solvers, stored_findings
 from mpmverify.judgement.baseline import values_by_level
-from mpmverify.judgement.tables import PROVENANCE, Order, Run, SeriesKey, Tables
+from mpmverify.judgement.tables import PROVENANCE, Order, Run, SeriesKey, Tables, verdicts_by_criterion
 
 
 def read_tables(paths: Sequence[Path]) -> Tables:
@@ -56,11 +55,9 @@ def _tables(tree: xr.DataTree) -> Tables:
             errors |= {(series, name, measure): error for measure, error in values.items()}
         for (identity, measure), fit in read_orders(dataset, levels).items():
             orders[SeriesKey(study, *identity), measure] = Order(*fit, frozenset(names[identity]))
-    verdicts: dict[tuple[SeriesKey, str], Verdict] = {}
     known = {series for series, _ in runs}
-    for f in stored_findings(tree):
-        judged = SeriesKey(study, f.case, f.solver, f.refinement), f"{f.gate}: {f.criterion}"
-        if judged[0] not in known:  # what was not run is lost, and not worse
-            continue
-        verdicts[judged] = worst((f.verdict, verdicts.get(judged, f.verdict)))
+    every = verdicts_by_criterion(stored_findings(tree))
+    verdicts = {
+        judged: verdict for judged, verdict in every.items() if judged[0] in known
+    }  # what was not run is lost, not worse
     return Tables({study: {name: str(tree.attrs[name]) for name in PROVENANCE}}, runs, errors, orders, verdicts)

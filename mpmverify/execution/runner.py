@@ -10,6 +10,7 @@ from functools import partial
 
 from mpmverify.criteria import check_storable
 from mpmverify.criteria.evidence import evidence_by_series
+from mpmverify.dataset import provenance
 from mpmverify.dataset.files import Results, make_way
 from mpmverify.dataset.verdicts import read_verdicts, write_verdicts
 from mpmverify.errors import ResultsError
@@ -128,7 +129,7 @@ def run(
     UsageError, ResultsError
         On misuse, or when a file of the results folder is foreign or cannot be written.
     """
-    studies = [study.in_tier(plan.tier) for study in studies]
+    studies, started = [study.in_tier(plan.tier) for study in studies], provenance.now()
     for study in studies:
         check_storable(study.name, study.criteria())
     plan.results.create()
@@ -158,7 +159,7 @@ def run(
             progress(task.study, len(finished), len(tasks))
             complete = len(finished) == len(tasks)
             results = [finished[k] for k in range(len(tasks))] if complete else []
-            yield partial(_judged, by_name[task.study], plan, tasks, results) if complete else None
+            yield partial(_judged, by_name[task.study], plan, tasks, results, started) if complete else None
 
     yield from (judged() for judged in judgements() if judged) if here else _beside(judgements())
 
@@ -229,8 +230,8 @@ def _inputs(study: Study, plan: Plan, tasks: Sequence[Task]) -> str:
     return digest(study, plan.tier, keys, file_digest(plan.baseline.path), code=JUDGING)
 
 
-def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated]) -> StudyRun:
-    """Judge a study whose runs are all finished, and store it."""
+def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated], run: str) -> StudyRun:
+    """Judge a study whose runs are all finished, and store it; `run` is when the run of all studies started."""
     from mpmverify.dataset.study import write_study  # imports xarray, which a run with nothing to do does without
 
     started = time.perf_counter()
@@ -241,7 +242,7 @@ def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence
     complete = all(plan.results.run(task.key).exists() for task in tasks)
     inputs = _inputs(study, plan, tasks) if complete else ""
     snapshots = {entry.level.series: entry.snapshots for entry in evaluated if entry.snapshots}
-    write_study(plan.results.study(study.name), study, levels, snapshots, judged, tier=plan.tier, inputs=inputs)
+    write_study(plan.results.study(study.name), study, levels, snapshots, judged, tier=plan.tier, inputs=inputs, run=run)
     write_verdicts(plan.results, study.name, inputs, judged.findings)
     solved = sum(entry.solved for entry in evaluated)
     seconds = sum(entry.seconds for entry in evaluated) + time.perf_counter() - started

@@ -1,17 +1,20 @@
 """Comparison of two results folders by their stored numbers: what is worse or better, slower or faster, lost or new."""
 
 import math
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.judgement.baseline import noise, rose
 from mpmverify.judgement.change import Change, Direction, Kind
-from mpmverify.judgement.tables import PROVENANCE, Run, SeriesKey, Tables
+from mpmverify.judgement.findings import Finding
+from mpmverify.judgement.tables import PROVENANCE, Run, SeriesKey, Tables, verdicts_by_criterion
 
 K = TypeVar("K")
 V = TypeVar("V")
+Verdicts = Mapping[tuple[SeriesKey, str], Verdict]
+"""By (series, "gate: criterion")."""
 
 SLOWER = 1.25
 """Ratio of seconds above which a run is slower."""
@@ -71,7 +74,7 @@ def compare(before: Tables, after: Tables) -> Comparison:
     """Compare two results folders; entries of the first alone are lost, entries of the second alone are new."""
     changes = [
         *_lost_and_new(before, after),
-        *_verdicts(before, after),
+        *_verdicts(before.verdicts, after.verdicts),
         *_outcomes(before, after),
         *(errors := list(_errors(before, after))),
         *_orders(before, after, errors),
@@ -128,10 +131,32 @@ def _enclosing_parts(series: SeriesKey, level: str) -> list[tuple[Kind, tuple[st
     ]
 
 
-def _verdicts(before: Tables, after: Tables) -> Iterator[Change]:
+def verdict_changes(before: Iterable[Finding], after: Iterable[Finding]) -> tuple[Change, ...]:
+    """Compare the verdicts of one study with those of an earlier run of it.
+
+    Parameters
+    ----------
+    before, after : iterable of Finding
+
+    Returns
+    -------
+    tuple of Change
+        Criteria with another verdict, the worst first, then those of which one has none: lost ones, with the verdict before, and new
+        ones, with the verdict after.
+    """
+    then, now = verdicts_by_criterion(before), verdicts_by_criterion(after)
+    turned = sorted(_verdicts(then, now), key=lambda change: (change.direction is Direction.BETTER, -change.size))
+    lost = [
+        Change(Direction.LOST, Kind.CRITERION, *key[0], name=key[1], before=str(then[key])) for key in then if key not in now
+    ]
+    new = [Change(Direction.NEW, Kind.CRITERION, *key[0], name=key[1], after=str(now[key])) for key in now if key not in then]
+    return (*turned, *lost, *new)
+
+
+def _verdicts(before: Verdicts, after: Verdicts) -> Iterator[Change]:
     rank = list(Verdict).index
-    for (series, criterion), then in before.verdicts.items():
-        now = after.verdicts.get((series, criterion), then)
+    for (series, criterion), then in before.items():
+        now = after.get((series, criterion), then)
         if now is not then:
             direction = Direction.WORSE if rank(now) > rank(then) else Direction.BETTER
             size = max(rank(now), rank(then)) + abs(rank(now) - rank(then)) / 10

@@ -1,10 +1,11 @@
 """Flat tables of a results folder, for the comparison of two folders."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from mpmverify.convergence.verdict import Verdict
+from mpmverify.convergence.verdict import Verdict, worst
+from mpmverify.judgement.findings import Finding
 
 PROVENANCE = ("commit", "commit_state", "tier", "versions", "platform", "date_created")
 
@@ -59,3 +60,12 @@ class Tables:
     errors: Mapping[tuple[SeriesKey, str, str], tuple[float, float]]
     orders: Mapping[tuple[SeriesKey, str], Order]
     verdicts: Mapping[tuple[SeriesKey, str], Verdict]
+
+
+def verdicts_by_criterion(findings: Iterable[Finding]) -> dict[tuple[SeriesKey, str], Verdict]:
+    """Return verdicts by (series, "gate: criterion"); the worst verdict if several criteria have the same title."""
+    verdicts: dict[tuple[SeriesKey, str], Verdict] = {}
+    for f in findings:
+        judged = SeriesKey(f.study, f.case, f.solver, f.refinement), f"{f.gate}: {f.criterion}"
+        verdicts[judged] = worst((f.verdict, verdicts.get(judged, f.verdict)))
+    return verdicts
