@@ -10,14 +10,42 @@ from .bibliography import Bibliography, downloadable
 from .drawing import drawing
 from .equations import mathml
 from .motion import Motion, motion
-from .notation import count
+from .notation import count, typeset_numbers
 from .overview import case_anchors, origin
 from .parts import Link, Origin
 from .record import Case, Record
 from .solver_names import pages_of
 
-NAMED = 6
-"""Largest number of faults that a problem names."""
+UNFOLDED = 6
+"""Largest number of named faults of a problem whose list is open at first."""
+
+
+@dataclass(frozen=True)
+class CaughtFault:
+    """A named fault, and what caught it: the criterion and the solver in which the fault was planted."""
+
+    name: str
+    criterion: str
+    solver: str
+
+
+@dataclass(frozen=True)
+class Caught:
+    """Planted faults that a problem was the first to catch.
+
+    Parameters
+    ----------
+    sentence : str
+        Their number.
+    unfolded : bool
+        Whether the list is open at first.
+    named : tuple of CaughtFault
+        Those of the hand-written list; the others, which rules made, are in the number alone.
+    """
+
+    sentence: str
+    unfolded: bool
+    named: tuple[CaughtFault, ...]
 
 
 @dataclass(frozen=True)
@@ -36,8 +64,8 @@ class CatalogueProblem:
     motion : Motion or None
         The exact solution in motion, if it was kept at several times.
     solvers : tuple of Link
-    faults : str
-        The planted faults that it was the first to catch, in a sentence; "" if no self-test is at hand.
+    caught : Caught or None
+        None if it was not the first to catch any planted fault, or no self-test is at hand.
     """
 
     link: Link
@@ -49,7 +77,7 @@ class CatalogueProblem:
     legend: str
     motion: Motion | None
     solvers: tuple[Link, ...]
-    faults: str
+    caught: Caught | None
 
 
 @dataclass(frozen=True)
@@ -72,8 +100,8 @@ class CataloguePage:
     title, generator, root : str
     navigation : tuple of Link
     studies : tuple of CatalogueStudy
-    moving : bool
-        Whether any picture moves.
+    moving, tested : bool
+        Whether any picture moves, and whether a self-test is at hand.
     bibliography : Bibliography or None
         Sources of all problems.
     origins : tuple of Origin
@@ -85,6 +113,7 @@ class CataloguePage:
     navigation: tuple[Link, ...]
     studies: tuple[CatalogueStudy, ...]
     moving: bool
+    tested: bool
     bibliography: Bibliography | None
     origins: tuple[Origin, ...]
 
@@ -108,6 +137,7 @@ def catalogue_page(records: Sequence[Record], faults: Sequence[PlantedFault], ge
         navigation=(Link("Overview", "index.html"), Link("Solvers", "solvers.html"), Link("Problems", "problems.html", True)),
         studies=studies,
         moving=any(problem.motion for study in studies for problem in study.problems),
+        tested=bool(faults),
         bibliography=downloadable((case.citation for record in records for case in record.cases), "problems"),
         origins=tuple(origin(record) for record in records),
     )
@@ -139,15 +169,20 @@ def _problem(record: Record, case: Case, anchor: str, faults: Sequence[PlantedFa
         legend=legend,
         motion=motion(record, case),
         solvers=tuple(Link(name, files[name]) for name in solvers),
-        faults=_caught([f for f in faults if (f.study, f.case) == (record.name, case.name)]) if faults else "",
+        caught=_caught([f for f in faults if f.fate is Fate.KILLED and (f.study, f.case) == (record.name, case.name)]),
     )
 
 
-def _caught(faults: Sequence[PlantedFault]) -> str:
-    """Say which faults a problem was the first to catch."""
-    caught = [fault.name for fault in faults if fault.fate is Fate.KILLED]
-    if not caught:
-        return "It was not the first to catch any planted fault."
-    names = "; ".join(caught[:NAMED])
-    more = f"; and {count(len(caught) - NAMED)} more" if len(caught) > NAMED else ""
-    return f"It was the first to catch {count(len(caught))} planted fault{'s' * (len(caught) != 1)}: {names}{more}."
+def _caught(faults: Sequence[PlantedFault]) -> Caught | None:
+    """Return the faults that a problem was the first to catch; None if there are none."""
+    if not faults:
+        return None
+    named = [fault for fault in faults if fault.rule == "named"]
+    by_rule = len(faults) - len(named)
+    sentence = f"First to catch {count(len(faults))} planted fault{'s' * (len(faults) != 1)}"
+    if named and by_rule:
+        sentence += f": {count(len(named))} named, {count(by_rule)} by rule"
+    elif by_rule:
+        sentence += ", by rule"
+    listed = tuple(CaughtFault(fault.name, typeset_numbers(fault.criterion), fault.solver) for fault in named)
+    return Caught(sentence, len(named) <= UNFOLDED, listed)

@@ -324,18 +324,37 @@ def test_the_catalogue_names_the_solvers_of_a_problem_and_the_faults_that_it_cau
     assert {"sample.html#case-hill-dale", "second.html#case-hill-dale", "solver-good.html", "solver-bad.html"} <= set(
         page.links
     )
-    assert "planted fault" not in " ".join(page.text)
+    assert "trust.html" not in page.links
+    assert 'class="quiet caught' not in page.path.read_text(encoding="utf-8")
+    assert " planted" not in " ".join(page.text)
+    here = {"study": "sample", "case": "hill & dale", "solver": f"solver {HOSTILE}", "fate": Fate.KILLED}
     caught = [
-        dataclasses.replace(FAULTS[0], id=str(k), name=f"fault {k}", study="sample", case="hill & dale") for k in range(9)
+        dataclasses.replace(FAULTS[0], id=str(k), name=f"fault {k}.", criterion=f"order {k} of {HOSTILE}", **here)
+        for k in range(9)
     ]
-    missed = dataclasses.replace(FAULTS[0], id="x", fate=Fate.SURVIVED, study="second", case="hill & dale")
-    write_selftest(fresh.selftest, dataclasses.replace(SELF_TEST, faults=(*caught, missed)))
+    ruled = dataclasses.replace(FAULTS[0], id="r", rule="term", name="a term less", **here)
+    survived = dataclasses.replace(caught[0], id="s", name="a survivor", fate=Fate.SURVIVED, study="second")
+    elsewhere = dataclasses.replace(caught[0], id="e", name="of another study", study="third")
+    write_selftest(fresh.selftest, dataclasses.replace(SELF_TEST, faults=(*caught, ruled, survived, elsewhere)))
     render(fresh)
-    said = " ".join(" ".join(pages(fresh)["problems.html"].text).split())
-    assert (
-        "It was the first to catch 9 planted faults: fault 0; fault 1; fault 2; fault 3; fault 4; fault 5; and 3 more." in said
-    )
-    assert "It was not the first to catch any planted fault." in said
+    page = pages(fresh)["problems.html"]
+    said = " ".join(" ".join(page.text).split())
+    assert "trust.html" in page.links
+    assert said.count("First to catch") == 1, "nothing is said of a problem that was not the first to catch any"
+    assert "First to catch 10 planted faults: 9 named, 1 by rule" in said
+    for fault in caught:
+        assert f"{fault.name} {fault.criterion}, {fault.solver}" in said
+    assert not any(name in said for name in ("a term less", "a survivor", "of another study"))
+    text = page.path.read_text(encoding="utf-8")
+    assert '<details class="quiet caught">' in text, "a long list is folded"
+    write_selftest(fresh.selftest, dataclasses.replace(SELF_TEST, faults=(caught[0], ruled)))
+    render(fresh)
+    assert '<details class="quiet caught" open>' in page.path.read_text(encoding="utf-8")
+    write_selftest(fresh.selftest, dataclasses.replace(SELF_TEST, faults=(ruled,)))
+    render(fresh)
+    page = pages(fresh)["problems.html"]
+    assert "First to catch 1 planted fault, by rule." in " ".join(" ".join(page.text).split())
+    assert 'class="quiet caught' not in page.path.read_text(encoding="utf-8")
 
 
 def test_a_strip_places_a_dot_at_its_order_and_a_cross_at_one_outside_its_band() -> None:
