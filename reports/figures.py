@@ -6,6 +6,7 @@ from . import charts
 from .balances import balances, errors
 from .field_panel import escaped
 from .notation import cell_size
+from .phase import motions
 from .record import Series
 from .styles import Style
 from .theory import Theory
@@ -48,7 +49,8 @@ def figures(
                 "waves": charts.waves(entry.profile, outputs) if entry.profile else None,
                 "time": charts.floats(time) if time is not None else None,
                 "histories": [
-                    charts.history(part) for part in (*errors(entry), *(balances(entry) if time is not None else ()))
+                    charts.history(part)
+                    for part in (*errors(entry), *motions(entry), *(balances(entry) if time is not None else ()))
                 ],
             }
         )
