@@ -151,6 +151,12 @@ def test_fit_floor_recovers_the_floor_and_the_order(order, floor, constant, unit
     assert fit.residual < 1e-3
 
 
+def test_errors_that_no_floor_fits_have_an_infinite_residual():
+    error = np.array([1e-9, 6e5, 1.0, 1.0])
+    assert fit_floor(HALVED[:4], error).residual == np.inf
+    assert analyse(HALVED[:4], error).floor is None
+
+
 @LIGHT
 @given(st.floats(1.0, 4), st.floats(1e-9, 1e-2), st.integers(5, 8))
 def test_a_series_with_a_floor_is_classified_so(order, floor, levels):

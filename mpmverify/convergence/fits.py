@@ -118,7 +118,8 @@ def fit_floor(h: Array, error: Array) -> FloorFit:
         chosen = float(floor[best] * size), float(constant[best] * size), float(orders[best])
         orders = np.linspace(max(orders[best] - spacing, orders[0]), orders[best] + spacing, 41)
     found = chosen[0] + chosen[1] * (h / unit) ** chosen[2]
-    residual = float(np.sqrt(np.mean(np.log(error / found) ** 2)))
+    # Of errors that differ by many decades, the least at a coarse level, zero may be the best fit.
+    residual = float(np.sqrt(np.mean(np.log(error / found) ** 2))) if found.all() else math.inf
     return FloorFit(chosen[0], float(chosen[1] / np.power(unit, chosen[2])), chosen[2], residual)
 
 
