@@ -7,7 +7,8 @@ from urllib.parse import unquote
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_report import HOSTILE, Page, store, study
+from report_pages import Page
+from sample_study import HOSTILE, store, study
 
 from mpmverify import studies
 from mpmverify.dataset.files import Results

@@ -2,7 +2,7 @@
 
 import pytest
 from browser import BROWSER, acted
-from test_report import SELF_TEST, store, study
+from sample_study import SELF_TEST, store, study
 
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.selftest import write_selftest

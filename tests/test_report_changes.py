@@ -10,8 +10,9 @@ from click.testing import CliRunner, Result
 from faulty_solvers import Scripted, plan, study
 from hypothesis import given
 from hypothesis import strategies as st
+from report_pages import Page
+from sample_study import HOSTILE
 from test_comparison import CostlySolver, tables
-from test_report import HOSTILE, Page
 
 from mpmverify import cli
 from mpmverify.convergence.verdict import Verdict

@@ -7,11 +7,12 @@ from pathlib import Path
 from urllib.parse import parse_qs, urlencode
 
 import pytest
-import test_report
+import sample_study
 from browser import BROWSER, acted
 from hypothesis import given
 from hypothesis import strategies as st
-from test_report import HOSTILE, Page, store, study
+from report_pages import Page
+from sample_study import HOSTILE, store, study
 
 from mpmverify.criteria import Order, Stall
 from mpmverify.dataset.files import Results
@@ -32,16 +33,16 @@ FACTORS = {"good": (1.0, 2.0, 1.0), "rough": (3.0, 2.0, 0.5), "low": (0.2, 1.0, 
 """Of each solver: factor of its error, order, and factor of its seconds and point-steps."""
 
 
-def level(case: str, solver: str, label: str, h: float) -> test_report.Level:
+def level(case: str, solver: str, label: str, h: float) -> sample_study.Level:
     made = TRUE_LEVEL(case, "good", label, h)
     factor, power, cost = FACTORS[solver]
     error = factor * h**power * (1 + 0.03 * math.sin(40 * h))
-    norms = (test_report.np.full(4, error), test_report.np.ones(4))
+    norms = (sample_study.np.full(4, error), sample_study.np.ones(4))
     spent = {"seconds": cost * 0.001 / h, "point_steps": round(50 * cost / h)}
     return dataclasses.replace(made, solver=solver, errors={"u": norms}, metrics={"mass_defect": 1e-16}, **spent)
 
 
-TRUE_LEVEL = test_report.level
+TRUE_LEVEL = sample_study.level
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +60,7 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Record]
     table[3] = dataclasses.replace(table[3], criteria=wide)
     other = Case("second", case.problem, tuple(case.series[:2]), case.shown)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(test_report, "level", level)
+        patch.setattr(sample_study, "level", level)
         store(results, dataclasses.replace(declared, cases=(dataclasses.replace(case, series=tuple(table)), other)))
     render(results)
     return results, read(results.study("sample"))

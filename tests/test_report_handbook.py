@@ -12,7 +12,8 @@ import handbook
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_report import Page, stamps, store, study
+from report_pages import Page, stamps
+from sample_study import store, study
 
 from mpmverify.dataset.files import Results
 from mpmverify.reports import manifest, render

@@ -7,7 +7,8 @@ from pathlib import Path
 import netCDF4
 import pytest
 from faulty_solvers import Scripted, plan, study
-from test_report import HOSTILE, Page
+from report_pages import Page
+from sample_study import HOSTILE
 
 from mpmverify.criteria import Balance, Order
 from mpmverify.dataset import provenance

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
-from test_report import HOSTILE, store, study
+from sample_study import HOSTILE, store, study
 
 from mpmverify.cli import cli
 from mpmverify.convergence.verdict import Verdict

@@ -12,7 +12,7 @@ import test_report_fields
 from browser import BROWSER, acted
 from hypothesis import given
 from hypothesis import strategies as st
-from test_report import HOSTILE, store, study
+from sample_study import HOSTILE, store, study
 
 from mpmverify.dataset.files import Results
 from mpmverify.reports import render

@@ -16,7 +16,8 @@ from browser import BROWSER, acted
 from click.testing import CliRunner, Result
 from hypothesis import given
 from hypothesis import strategies as st
-from test_report import HOSTILE, Page, broken_links, pages, store, study
+from report_pages import Page, broken_links, pages
+from sample_study import HOSTILE, store, study
 
 from mpmverify.cli import cli
 from mpmverify.dataset.files import Results

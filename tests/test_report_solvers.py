@@ -13,7 +13,8 @@ from faulty_solvers import study as scripted
 from hypothesis import given
 from hypothesis import strategies as st
 from markupsafe import escape
-from test_report import HOSTILE, Page, broken_links, pages, stamps, store, study
+from report_pages import Page, broken_links, pages, stamps
+from sample_study import HOSTILE, store, study
 
 from mpmverify.cli.solving import run as run_command
 from mpmverify.convergence.verdict import Verdict

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_report import Page, Scheme, study
+from report_pages import Page
+from sample_study import Scheme, study
 
 from mpmverify.convergence.sources import Separation, Source
 from mpmverify.convergence.verdict import Verdict
