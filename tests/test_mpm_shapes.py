@@ -20,6 +20,7 @@ from mpmverify.problem import (
     Discretisation,
     Disk,
     Fixed,
+    LinearElastic,
     NeoHookean,
     Problem,
     Ring,
@@ -37,6 +38,7 @@ RINGS = st.builds(
 SHAPES = DISKS | RINGS
 LAYOUTS = st.sampled_from([REGULAR, GAUSS, offset(0.3), offset(-0.49)])
 MATERIAL = NeoHookean(1.0, 1.0, 0.3)
+ELASTIC = LinearElastic(1.0, 1.0, 0.3)
 FREE = dict.fromkeys(("x-", "x+", "y-", "y+"), Traction())
 
 
@@ -297,7 +299,7 @@ def test_a_traction_loads_the_part_of_a_face_that_bodies_touch(dimension, basis)
     )
     area = 0.275 * 0.7 ** (dimension - 2) + 0.2 * 0.6 ** (dimension - 2)
     faces = dict.fromkeys(names, Traction()) | {"x+": Traction(Constant(-1e-3))}
-    problem = Problem("loaded", (0.0,) * dimension, (1.0,) * dimension, MATERIAL, faces, 0.2, shape=Bodies(blocks))
+    problem = Problem("loaded", (0.0,) * dimension, (1.0,) * dimension, ELASTIC, faces, 0.2, shape=Bodies(blocks))
     solution = MaterialPoint("MUSL", FLIP, basis).solve(problem, Discretisation(0.125, 0.3, 2))
     assert solution.outcome.completed, str(solution.outcome)
     time, impulse = solution.histories["time"], solution.histories["impulse_x"]
@@ -325,12 +327,16 @@ def test_a_loaded_block_within_its_box_is_a_bar(formulation):
 @pytest.mark.parametrize("formulation", ["updated", "total"])
 @pytest.mark.parametrize("dimension", [1, 2, 3])
 def test_bodies_that_touch_move_as_one(dimension, formulation):
-    """Two blocks that fill the box have the particles and the motion of one body."""
+    """Two blocks that fill the box have the particles and the motion of one body.
+
+    The material and the scheme are those that other tests compile in the same dimension.
+    """
+    law, transfer, basis = (MATERIAL, APIC, "quadratic") if dimension == 2 else (ELASTIC, FLIP, "linear")
     lower, upper = (-1.0,) * dimension, (1.0,) * dimension
     faces = {axis + side: Traction() for axis in "xyz"[:dimension] for side in "-+"}
-    whole = Problem("whole", lower, upper, MATERIAL, faces, 0.4, {"velocity": lambda X: 0.1 * np.sin(X)}, outputs=4)
+    whole = Problem("whole", lower, upper, law, faces, 0.4, {"velocity": lambda X: 0.1 * np.sin(X)}, outputs=4)
     halves = replace(whole, shape=Bodies((Block(lower, (0.0, *upper[1:])), Block((0.0, *lower[1:]), upper))))
-    solver, at = MaterialPoint("USL", APIC, "quadratic", formulation), Discretisation(0.25, 0.3, 2)
+    solver, at = MaterialPoint("USL", transfer, basis, formulation), Discretisation(0.25, 0.3, 2)
     one, two = (solver.solve(problem, at) for problem in (whole, halves))
     order = np.lexsort(two.reference.T)
     assert two.reference[order] == pytest.approx(one.reference[np.lexsort(one.reference.T)], abs=1e-15)
