@@ -41,7 +41,6 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
     "convergence": (
         orders_use_the_sizes,
         scattered_errors_are_fitted_by_least_squares,
-        intervals_cover_the_order_with_their_nominal_probability,
         verdicts_of_series_are_right,
         the_finest_levels_of_a_long_ladder_count,
         an_estimate_agrees_with_least_squares,
@@ -50,6 +49,7 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         the_floor_and_the_order_above_it_are_found,
         errors_below_ten_times_the_uncertainty_of_a_reference_are_not_judged,
         grid_convergence_is_exact_on_power_laws,
+        intervals_cover_the_order_with_their_nominal_probability,  # last, as it takes the longest
     ),
     "criteria/norms": (norms_are_means_over_the_body, errors_are_relative_to_the_exact_field_over_the_run),
     "criteria/evidence": (evidence_is_relative,),
