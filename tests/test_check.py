@@ -192,7 +192,13 @@ def test_a_refusal_is_an_error():
 
 
 MODULE = """
+import dataclasses
+
+from mpmverify import studies
 from mpmverify.solvers.mpm import MaterialPoint
+
+WAVES = studies.get("plane-waves")
+TWO_CASES = dataclasses.replace(WAVES, name="waves", cases=tuple(c for c in WAVES.cases if c.name in ("box", "plane-stress")))
 
 RIGHT = MaterialPoint("USL", formulation="total")
 
@@ -201,8 +207,6 @@ class Doubled:
     name, orders, conserves = "doubled", {"displacement": 2}, frozenset()
 
     def solve(self, problem, level):
-        import dataclasses
-
         solution = RIGHT.solve(problem, level)
         return dataclasses.replace(solution, fields={**solution.fields, "stress": 2 * solution.fields["stress"]})
 
@@ -217,7 +221,7 @@ class Raising(Doubled):
     ("name", "status", "said"),
     [
         ("RIGHT", 0, "box: nothing found"),
-        ("Doubled", 1, "WRONG: the stress is 2 times the exact one"),
+        ("Doubled", 1, "waves, box: WRONG: the stress is 1.997 times the exact one. Likely cause: it is counted twice."),
         ("Raising", 3, "KeyError: 'lost'"),
         ("None", 2, "has no attribute 'None'"),
     ],
@@ -226,7 +230,7 @@ def test_the_command_says_what_is_wrong(name, status, said, tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", [*sys.path])
     (tmp_path / f"checked_{name}.py").write_text(MODULE, encoding="utf-8")
-    result = CliRunner().invoke(cli, ["check", f"checked_{name}.py:{name}", "plane-waves"])
+    result = CliRunner().invoke(cli, ["check", f"checked_{name}.py:{name}", f"checked_{name}.py:TWO_CASES"])
     assert result.exit_code == status, result.output
     assert said in " ".join(result.output.split())
     assert "Traceback" not in result.output
