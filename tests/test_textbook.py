@@ -85,12 +85,13 @@ def touches(shape, face):
 @pytest.mark.parametrize("affine", [False, True], ids=["flip, pic", "apic"])
 @pytest.mark.parametrize(("dimension", "examples"), [(1, 60), (2, 30), (3, 8)])
 def test_the_compiled_method_agrees_with_the_textbook(dimension, examples, affine, basis):
+    """Any three of law, transfer, basis and dimension meet: each combination compiles a kernel, so the law goes by turns."""
+    law = LAWS[(affine + (basis == "quadratic") + (dimension == 2)) % 2]
     transfers = st.just("APIC") if affine else st.sampled_from(["FLIP", "PIC"])
 
     @settings(max_examples=examples, deadline=None)
     @given(
         drawn=st.tuples(st.sampled_from(CHOICES[0]), transfers, st.just(basis), st.sampled_from(CHOICES[3])),
-        law=st.sampled_from(LAWS),
         faces=st.lists(CONDITIONS, min_size=6, max_size=6),
         shape=st.sampled_from(list(BODIES)),
         force=st.sampled_from(["none", "material", "spatial"]),
@@ -99,7 +100,7 @@ def test_the_compiled_method_agrees_with_the_textbook(dimension, examples, affin
         jitter=st.sampled_from([0.0, 0.3]),
         ppc=st.sampled_from([1, 2]),
     )
-    def agree(drawn, law, faces, shape, force, beside, joined, jitter, ppc):
+    def agree(drawn, faces, shape, force, beside, joined, jitter, ppc):
         problem = problem_of(dimension, law, faces, shape, force, beside, joined)
         at = Discretisation(CELL, 0.25, 2 if shape == "edges" else ppc, jitter, 3 if jitter else 0)
         # USL and APIC strain by f/m of hats: near a cell edge they multiply round-off by the ratio of the masses, and may diverge.
