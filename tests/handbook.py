@@ -1,6 +1,8 @@
 """The README and the pages of the handbook, read for their code blocks and links."""
 
+import os
 import re
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,6 +28,7 @@ class Block:
         - `status: N`, it exits with N instead of 0;
         - `command: NAME`, `.ci/run` runs it in a fresh clone;
         - `parsed: WHY`, its commands take long or need more than there is: their options alone are checked, and a program is parsed;
+        - `sweep: WHY`, a test in `tests/sweeps` runs it;
         - `workflow`, a service of continuous integration runs it.
     text : str
     """
@@ -33,6 +36,13 @@ class Block:
     language: str
     marks: dict[str, str]
     text: str
+
+
+def environment() -> dict[str, str]:
+    """Variables of a reader who has activated the environment of the tests."""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    alone = {name: value for name, value in os.environ.items() if name != "PYTEST_XDIST_WORKER"}  # a reader has no workers
+    return {**alone, "PATH": path, "PYTHONWARNINGS": "error::RuntimeWarning"}
 
 
 def text(page: Path) -> str:

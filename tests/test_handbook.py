@@ -3,7 +3,6 @@
 import ast
 import contextlib
 import io
-import os
 import re
 import shlex
 import shutil
@@ -25,10 +24,7 @@ INSTALLS = re.compile(r"python -m pip install --quiet -e [\"']?\.(?:\[(\w+)\])?[
 
 @pytest.fixture(scope="module")
 def environment():
-    """The environment that the reader has activated."""
-    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    alone = {name: value for name, value in os.environ.items() if name != "PYTEST_XDIST_WORKER"}  # a reader has no workers
-    return {**alone, "PATH": path, "PYTHONWARNINGS": "error::RuntimeWarning"}
+    return handbook.environment()
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +74,8 @@ def check(words: list[str]) -> None:
 def test_every_block_of_a_page_runs_as_a_reader_would_run_it(page, tmp_path, monkeypatch, request, environment):
     """In order, in one folder that has the results of a run; Python blocks in one session.
 
-    Not run are `command` blocks, which .ci/run runs, and `parsed` ones, which take minutes (self-test, all studies, benchmarks) or need a cluster.
+    Not run are `command` blocks, which .ci/run runs; `sweep` blocks, which tests/sweeps runs; and `parsed` ones, which take minutes
+    (self-test, all studies, benchmarks) or need a cluster.
     """
     monkeypatch.chdir(tmp_path)
     shown = blocks(page)
@@ -94,6 +91,8 @@ def test_every_block_of_a_page_runs_as_a_reader_would_run_it(page, tmp_path, mon
         elif block.language == "python":
             with contextlib.redirect_stdout(io.StringIO()) as printed:
                 exec(block.text, names)
+        elif "sweep" in block.marks:
+            continue
         elif block.language == "sh" and {"command", "parsed"} & block.marks.keys():
             if block.marks.get("command") != "test":
                 for words in commands(block):
