@@ -299,3 +299,11 @@ def test_one_more_verdict_never_improves_the_worst(verdicts, another):
 def test_a_finding_reads_as_one_sentence():
     finding = Finding("bar", "step", "tg", "nu_C=0.5", "verification", "order", FAIL, "order 1.0", "theory")
     assert str(finding) == "FAIL bar/step/tg (nu_C=0.5): order: order 1.0"
+
+
+def test_a_failed_order_says_how_large_the_error_of_the_finest_level_is_and_from_when_on_it_shows():
+    onset = np.linspace(0.5, 0.25, len(H))
+    said = judge_criterion(ORDER, series(3 * H, metrics={"onset_u": onset}, reference=4.0))[1]
+    assert said.endswith(f"; at h={H[-1]:g} the error is {0.75 * H[-1]:.2g} of the field, and shows from t = 0.25 s on")
+    assert judge_criterion(ORDER, series(3 * H))[1].endswith(f"; at h={H[-1]:g} the error is {3 * H[-1]:.2g} of the field")
+    assert "of the field" not in judge_criterion(ORDER, series(3 * H**2, metrics={"onset_u": onset}))[1]

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from mpmverify.criteria.norms import NORMS, errors, l1, l2, linf, magnitude, norms
+from mpmverify.criteria.norms import NORMS, compare, errors, l1, l2, linf, magnitude, norms, onset
 from mpmverify.errors import UsageError
 from mpmverify.exact import ExactSolution
 from mpmverify.solution import Solution, Work
@@ -234,3 +234,17 @@ def test_a_solution_without_points_is_refused():
     empty = solution(np.zeros((3, 0, 1)), time=T, reference=np.zeros((0, 1)))
     with pytest.raises(UsageError, match="at least one point"):
         errors(empty, WAVE)
+
+
+def test_the_onset_is_the_first_time_at_which_an_error_is_more_than_a_tenth_of_its_largest():
+    size, time = np.array([0.0, 0.09, 0.2, 1.0, 0.5]), np.arange(5) / 10
+    assert onset(size, time) == 0.2
+    assert np.isnan(onset(0 * size, time))
+    assert np.isnan(onset(size * np.nan, time))
+
+
+def test_the_onset_of_every_error_is_a_metric_unless_there_is_no_error():
+    right = WAVE.fields["u"](X, T)
+    late = right + 0.01 * np.arange(len(T))[:, None, None]
+    assert compare(solution(late, time=T, reference=X), WAVE)[1] == {"onset_u": T[1]}
+    assert compare(solution(right, time=T, reference=X), WAVE)[1] == {}

@@ -10,7 +10,7 @@ from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.criteria.bounds import finite_and_non_negative, judge_largest
 from mpmverify.criteria.criterion import OnLimits, Setting
 from mpmverify.criteria.evidence import Evidence
-from mpmverify.criteria.norms import NORMS
+from mpmverify.criteria.norms import NORMS, onset_of
 from mpmverify.errors import UsageError
 from mpmverify.problem import UNITS, Block
 from mpmverify.solution import Solution
@@ -68,7 +68,17 @@ class Order(ErrorCriterion):
         if series is None:
             return Verdict.INCONCLUSIVE, evidence.axis.note
         verdict, reason = judge_order(series, self.low, self.high)
-        return verdict, f"{reason}; {evidence.axis.note}" if evidence.axis.note else reason
+        remarks = [evidence.axis.note, self._remaining(evidence) if verdict is Verdict.FAIL else ""]
+        return verdict, "; ".join(part for part in (reason, *remarks) if part)
+
+    def _remaining(self, evidence: Evidence) -> str:
+        """Say how large the error of the finest level is, and from when on it shows."""
+        finest = int(np.argmin(evidence.sizes[evidence.axis.size]))
+        said = (
+            f"at {evidence.names[finest]} the error is {evidence.relative(self.quantity, self.norm)[finest]:.2g} of the field"
+        )
+        time = evidence.metrics.get(onset_of(self.quantity), np.full(finest + 1, np.nan))[finest]
+        return said if np.isnan(time) else f"{said}, and shows from t = {time:.3g} s on"
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,12 @@ def _over_time(values: Array, share: Array) -> Array:
 
 
 def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, Array]]:
-    """Norms of the error and sizes of the exact field, for each quantity that both the solution and the exact solution have.
+    """Norms of the error and sizes of the exact field by quantity, see `compare`."""
+    return compare(solution, exact)[0]
+
+
+def compare(solution: Solution, exact: ExactSolution) -> tuple[dict[str, tuple[Array, Array]], dict[str, float]]:
+    """Compare a solution with the exact one, for each quantity that both have.
 
     Parameters
     ----------
@@ -103,8 +108,10 @@ def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, A
 
     Returns
     -------
-    dict of str to (Array, Array)
+    table : dict of str to (Array, Array)
         (error `norms` (4,), `sizes` of the exact field (4,)) in the order of `NORMS` and the unit of the quantity.
+    onsets : dict of str to float
+        When each error begins to show, by the name of the metric, see `onset`; without those that have no error.
 
     Raises
     ------
@@ -119,12 +126,30 @@ def errors(solution: Solution, exact: ExactSolution) -> dict[str, tuple[Array, A
     samples = (len(solution.time), len(solution.reference))
     if solution.weight.shape != samples or not all(samples):
         raise UsageError(f"a solver must return weights (T, P) = {samples} of at least one point, not {solution.weight.shape}")
-    share, table = _shares(solution.weight), {}
+    share, table, onsets = _shares(solution.weight), {}, {}
     for quantity, closed_form in exact.fields.items():
         if quantity in solution.fields:
-            compared = _compared(quantity, solution, closed_form, share)
-            table[quantity] = (_norms(compared[0]), _sizes(compared[1]))
-    return table
+            error, field = _compared(quantity, solution, closed_form, share)
+            table[quantity] = (_norms(error), _sizes(field))
+            onsets[onset_of(quantity)] = onset(error[1], solution.time)
+    return table, {name: time for name, time in onsets.items() if np.isfinite(time)}
+
+
+ONSET = 0.1
+"""Share of its largest size from which on an error is said to show."""
+
+
+def onset_of(quantity: str) -> str:
+    """Name of the metric that holds when the error of a quantity begins to show."""
+    return f"onset_{quantity}"
+
+
+def onset(size: Array, time: Array) -> float:
+    """Return the first output time at which an error, of L2 norms (T,) at times (T,) [s], is more than `ONSET` of its largest [s].
+
+    It is NaN where there is no error, or it is not finite.
+    """
+    return float(time[np.argmax(size > ONSET * size.max())]) if 0 < size.max() < np.inf else np.nan
 
 
 def _compared(quantity: str, solution: Solution, closed_form: ExactField, share: Array) -> Array:

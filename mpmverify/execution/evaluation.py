@@ -15,7 +15,7 @@ import numpy as np
 from mpmverify.criteria.criterion import Criterion, Setting, measurement
 from mpmverify.criteria.errors import ErrorCriterion
 from mpmverify.criteria.evidence import Level
-from mpmverify.criteria.norms import errors
+from mpmverify.criteria.norms import compare
 from mpmverify.dataset.files import SCHEMA, Results, set_aside
 from mpmverify.dataset.runs import Run, read_run, write_run
 from mpmverify.dataset.snapshots import Snapshots
@@ -259,9 +259,9 @@ def measure(task: Task, solution: Solution) -> Run:
         If two criteria measure the same quantity differently.
     """
     metrics: dict[str, float] = {}
-    table = {}
+    table: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     if solution.outcome.completed:
-        table = errors(solution, task.problem.exact)
+        table, metrics = compare(solution, task.problem.exact)
         setting = Setting(task.problem, task.discretisation)
         for criterion in task.criteria:
             measured = criterion.measure(solution, setting)
