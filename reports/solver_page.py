@@ -13,6 +13,7 @@ from .conservation import conservation
 from .cost import costs
 from .dossiers import Dossier, Entry, dossiers
 from .failures import Failure, failures
+from .likenesses import likely_causes
 from .limits import against_theory
 from .manifest import COMPARE, SOLVERS
 from .notation import DASH, count, ladder, order, slugs
@@ -91,6 +92,7 @@ def solver_page(dossier: Dossier, families: Sequence[Family], failed: Failures, 
         family=next(Link(f.name, f"{SOLVERS}.html#{f.anchor}") for f in families if f.name == dossier.family),
         mark=mark(dossier.findings),
         sentence=sentence(dossier),
+        causes=likely_causes(dossier),
         shares=shares(dossier.findings),
         compare=comparison_of(dossier.solver),
         choices=choices(dossier.schemes[0]),

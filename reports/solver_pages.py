@@ -21,6 +21,8 @@ class SolverPage:
         The worst verdict.
     sentence : str
         The worst verdict in a sentence, in which known limits count by themselves.
+    causes : str
+        Which planted faults leave errors like those of a solver that failed; "" if none does.
     shares : tuple of Share
         Number of findings with each verdict; those on known limits count by themselves.
     compare : str
@@ -51,6 +53,7 @@ class SolverPage:
     family: Link
     mark: Mark
     sentence: str
+    causes: str
     shares: tuple[Share, ...]
     compare: str
     choices: tuple[Fact, ...]

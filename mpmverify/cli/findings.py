@@ -1,6 +1,7 @@
 """What the command line shows of findings: a line of counts for each study as it is judged, then the findings that did not pass."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.markup import escape
@@ -10,6 +11,10 @@ from mpmverify.cli.console import STYLES
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.summary import KNOWN_LIMIT, counts, ranked, tally
+
+if TYPE_CHECKING:
+    from mpmverify.dataset.files import Results
+    from mpmverify.study import Study
 
 LISTED = 20
 """Findings listed below the table unless all are asked for."""
@@ -75,6 +80,21 @@ def show(output: Console, findings: Sequence[Finding], *, explain: bool = False)
         if rest := sum(map(len, list(groups.values())[LISTED:])):
             output.print(f"and {rest} more: --explain shows all")
     output.print(f"{counts(findings)}.", highlight=False)
+
+
+def show_diagnosis(output: Console, studies: "Sequence[Study]", findings: Sequence[Finding], results: "Results") -> None:
+    """Print what errors like those of an own solver come from, if a criterion on it failed."""
+    from mpmverify.dataset.study import read_study
+    from mpmverify.execution.diagnosis import diagnose
+
+    def belongs(study: str, solver: str) -> bool:
+        return study.endswith(f"-with-{solver}")
+
+    failed = [finding for finding in findings if finding.verdict is Verdict.FAIL and belongs(finding.study, finding.solver)]
+    if failed:
+        levels = {study.name: read_study(results.study(study.name)).levels for study in studies}
+        if said := diagnose(studies, levels, failed[0].solver):
+            output.print(escape(f"{failed[0].solver}: {said}."), highlight=False)
 
 
 def _print(output: Console, finding: Finding, text: str) -> None:

@@ -84,7 +84,7 @@ def run(
     Without STUDY, all studies run. A study of your own is given as FILE.py:NAME or MODULE:NAME.
     """
     from mpmverify.cli.console import console
-    from mpmverify.cli.findings import StudyTable, show
+    from mpmverify.cli.findings import StudyTable, show, show_diagnosis
     from mpmverify.cli.progress import Progress
     from mpmverify.convergence.verdict import exit_status
     from mpmverify.dataset.files import Results
@@ -114,6 +114,8 @@ def run(
             solved, reused = solved + judged.solved, reused + judged.reused
     findings.sort(key=lambda finding: names.index(finding.study))
     show(output, findings, explain=explain)
+    if own:
+        show_diagnosis(output, chosen, findings, plan.results)
     click.echo(f"{solved} runs solved, {reused} already at hand.")
     show_report(plan.results, opened=open_)  # last: the verdicts are shown even when no report can be written
     sys.exit(exit_status([finding.verdict for finding in findings]))
@@ -132,7 +134,15 @@ def run(
 )
 @click.option("--every-study", is_flag=True, help="Try a fault on every study, not only up to its first kill: takes hours.")
 @click.option("--explain", is_flag=True, help="Print what killed every fault.")
-def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, every_study: bool, explain: bool) -> None:
+@click.option(
+    "--signatures",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Write the table by which failures are diagnosed, and do nothing else: takes half an hour of processor time.",
+)
+def selftest(
+    out: Path, baseline: Path | None, jobs: int | None, tier: str, every_study: bool, explain: bool, signatures: Path | None
+) -> None:
     """Plant faults in the shipped solvers and see that the studies catch them; and that they pass the unmodified ones.
 
     What is known of a fault is kept: an interrupted self-test goes on where it was.
@@ -147,9 +157,17 @@ def selftest(out: Path, baseline: Path | None, jobs: int | None, tier: str, ever
     from mpmverify.execution.processes import processors
     from mpmverify.selftest.session import Session
 
+    sources = Path(solvers.__file__).parent
+    if signatures:
+        from mpmverify.selftest.signatures import make_signatures
+        from mpmverify.solvers.textbook import Textbook
+
+        with Progress(Console(stderr=True)) as progress:
+            table = make_signatures(studies.get, sources, Textbook, jobs or processors(), progress.update)
+        table.write(signatures)
+        return
     results, known = Results(out), accepted(baseline)
     results.create()
-    sources = Path(solvers.__file__).parent
     with Progress(Console(stderr=True)) as progress:
         session = Session(results, studies.get, sources, known, tier, jobs or processors(), every_study)
         test = session.run(progress.update)

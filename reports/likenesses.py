@@ -1,0 +1,35 @@
+"""What errors like those of a solver of one's own come from, on its page."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from mpmverify.convergence.verdict import Verdict
+from mpmverify.judgement.diagnosis import Measured, diagnosis, signature
+
+from .dossiers import Dossier, Entry
+
+
+def likely_causes(dossier: Dossier) -> str:
+    """Return the sentence of the diagnosis of a solver of one's own; "" if no criterion on it failed, or nothing is similar enough."""
+    found: dict[str, float] = {}
+    failed = False
+    for entry in dossier.entries:
+        own = f"-with-{entry.series.solver}"
+        if entry.record.name.endswith(own):
+            failed = failed or any(finding.verdict is Verdict.FAIL for finding in entry.findings)
+            found |= signature(entry.record.name.removesuffix(own), _measured(entry))
+    said = diagnosis(found) if failed else ""
+    return f"{said[:1].upper()}{said[1:]}." if said else ""
+
+
+def _measured(entry: Entry) -> Iterator[Measured]:
+    series = entry.series
+    for k, level in enumerate(series.levels):
+        errors = {measure: float(estimate.error[k]) for measure, estimate in series.estimates.items()}
+        metrics = {name: float(values[k]) for name, values in series.metrics.items()}
+        yield Measured(
+            *(series.case, level.h, level.courant, level.ppc, level.outcome == "completed"),
+            {measure: error for measure, error in errors.items() if not np.isnan(error)},
+            {name: value for name, value in metrics.items() if not np.isnan(value)},
+        )
