@@ -60,21 +60,16 @@ def norms(values: Array, weight: Array) -> Array:
     return _norms(_over_time(values, _shares(weight)))
 
 
-def sizes(values: Array, weight: Array) -> Array:
-    """Return the size of an exact field over the whole run by which the errors in all `NORMS` are divided (4,), in its unit.
-
-    It is the largest over the output times of the same norm: L1, L2, Linf and L2. A field that vanishes at the final time has a size.
-    The parameters are those of `norms`.
-    """
-    return _sizes(_over_time(values, _shares(weight)))
-
-
 def _norms(over_time: Array) -> Array:
     one, two, largest = over_time
     return np.array([one[-1], two[-1], largest[-1], np.max(two)])
 
 
 def _sizes(over_time: Array) -> Array:
+    """Return the size of an exact field over the run by which the errors in all `NORMS` are divided (4,), in its unit.
+
+    It is the largest over the output times of the same norm: L1, L2, Linf and L2. A field that vanishes at the final time has a size.
+    """
     one, two, largest = np.max(over_time, axis=1)
     return np.array([one, two, largest, two])
 
@@ -109,7 +104,7 @@ def compare(solution: Solution, exact: ExactSolution) -> tuple[dict[str, tuple[A
     Returns
     -------
     table : dict of str to (Array, Array)
-        (error `norms` (4,), `sizes` of the exact field (4,)) in the order of `NORMS` and the unit of the quantity.
+        (error `norms` (4,), size of the exact field over the run (4,)) in the order of `NORMS` and the unit of the quantity.
     onsets : dict of str to float
         When each error begins to show, by the name of the metric, see `onset`; without those that have no error.
 
