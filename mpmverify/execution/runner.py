@@ -152,7 +152,7 @@ def run(
     solved = all(_at_hand(task) for task in todo)
     here = plan.jobs == 0 or (solved and len(todo) <= FEW)
 
-    def judgements() -> Iterator[Callable[[], StudyRun] | None]:
+    def judgements() -> Iterator["partial[StudyRun] | None"]:
         for task, evaluated in _evaluate(todo, plan, here=here):
             finished, tasks = done[task.study], work[task.study]
             finished[task.index] = evaluated
@@ -164,12 +164,12 @@ def run(
     yield from (judged() for judged in judgements() if judged) if here else _beside(judgements())
 
 
-def _beside(calls: Iterable[Callable[[], StudyRun] | None]) -> Iterator[StudyRun]:
+def _beside(calls: "Iterable[partial[StudyRun] | None]") -> Iterator[StudyRun]:
     """Make calls in a process of its own while the iterable goes on, and the rest here.
 
     A thread would not do: the netCDF library takes one at a time, and what is read closes its file wherever it is collected.
     """
-    waiting: deque[Callable[[], StudyRun]] = deque()
+    waiting: deque[partial[StudyRun]] = deque()
     judge = Worker(Crew(operator.call, _lost, math.inf))
     try:
         for call in calls:
