@@ -426,13 +426,13 @@ def test_studies_are_judged_in_a_process_of_their_own_while_others_are_solved_an
     processes = []
 
     def calls():
-        yield partial(os.getpid)
+        yield partial(os.getpid), True
         until = time.monotonic() + 120
         while not processes:
             assert time.monotonic() < until, "nothing was judged meanwhile"
             time.sleep(0.01)
-            yield None
-        yield partial(os.getpid)
+            yield None, True
+        yield partial(os.getpid), False
 
     for process in runner._beside(calls()):
         processes.append(process)  # noqa: PERF402 - `calls` waits for the first one
@@ -443,20 +443,52 @@ def refuses(_):
     raise ResultsError("the disk is full")
 
 
-def dies(_):
-    os._exit(3)
+def dies_elsewhere(parent):
+    if os.getpid() != parent:
+        os._exit(3)
+    return "judged here"
 
 
-@pytest.mark.parametrize(
-    ("judge", "sentence"),
-    [
-        (refuses, "the disk is full"),
-        (dies, "study 'scripted' could not be judged .died: the process died with exit status 3.: run it again"),
-    ],
-)
-def test_an_error_of_judging_in_a_process_of_its_own_is_raised(judge, sentence):
-    with pytest.raises(ResultsError, match=sentence):
-        list(runner._beside([partial(judge, study()), None, None]))
+def raises_elsewhere(parent):
+    if os.getpid() != parent:
+        raise MemoryError
+    return "judged here"
+
+
+def test_an_error_of_judging_in_a_process_of_its_own_is_raised():
+    with pytest.raises(ResultsError, match="the disk is full"):
+        list(runner._beside([(partial(refuses, 0), True), (None, True), (None, False)]))
+
+
+@pytest.mark.parametrize("judge", [dies_elsewhere, raises_elsewhere])
+def test_what_a_process_fails_to_judge_is_judged_here(judge):
+    assert list(runner._beside([(partial(judge, os.getpid()), True), (None, False)])) == ["judged here"]
+
+
+def test_what_stops_the_runs_loses_no_study_that_was_finished(tmp_path):
+    def stopped():
+        yield partial((tmp_path / "first").touch), True
+        yield partial((tmp_path / "second").touch), True
+        raise UsageError("the third solver cannot take its problem")
+
+    with pytest.raises(UsageError, match="third solver"):
+        list(runner._beside(stopped()))
+    assert {path.name for path in tmp_path.iterdir()} == {"first", "second"}
+
+
+@dataclasses.dataclass(frozen=True)
+class Refusing(Scripted):
+    """Solver that cannot take the problem."""
+
+    def solve(self, problem, discretisation):
+        raise UsageError("solver 'refusing' cannot solve this")
+
+
+def test_a_usage_error_of_a_later_study_in_a_worker_leaves_the_verdicts_of_the_first(tmp_path):
+    chosen = plan(tmp_path, jobs=1)
+    with pytest.raises(UsageError, match="cannot solve this"):
+        list(run([study(), study(Scripted("nan"), Refusing(), name="costlier")], chosen))
+    assert list(read_verdicts(chosen.results)) == ["scripted"]
 
 
 def test_the_seconds_of_a_study_are_those_of_its_runs(tmp_path):

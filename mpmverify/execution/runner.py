@@ -13,7 +13,6 @@ from mpmverify.criteria.evidence import evidence_by_series
 from mpmverify.dataset import provenance
 from mpmverify.dataset.files import Results, make_way
 from mpmverify.dataset.verdicts import read_verdicts, write_verdicts
-from mpmverify.errors import ResultsError
 from mpmverify.execution import processes
 from mpmverify.execution.dask import Distributed
 from mpmverify.execution.evaluation import Evaluated, Task, run_key
@@ -135,9 +134,10 @@ def run(
     plan.results.create()
     stored = read_verdicts(plan.results)
     work: dict[str, list[Task]] = {}
+    digests: dict[str, str] = {}
     for study in studies:
         tasks = tasks_of(study, plan)
-        inputs = _inputs(study, plan, tasks)
+        digests[study.name] = inputs = _inputs(study, plan, tasks)
         entry = stored.get(study.name)
         path = plan.results.study(study.name)
         if plan.reuse and entry and entry.made_from(inputs, path):
@@ -152,46 +152,60 @@ def run(
     solved = all(_at_hand(task) for task in todo)
     here = plan.jobs == 0 or (solved and len(todo) <= FEW)
 
-    def judgements() -> Iterator["partial[StudyRun] | None"]:
+    def judgements() -> Iterator["tuple[partial[StudyRun] | None, bool]"]:
+        left = len(todo)
         for task, evaluated in _evaluate(todo, plan, here=here):
-            finished, tasks = done[task.study], work[task.study]
+            finished, tasks, left = done[task.study], work[task.study], left - 1
             finished[task.index] = evaluated
             progress(task.study, len(finished), len(tasks))
             complete = len(finished) == len(tasks)
             results = [finished[k] for k in range(len(tasks))] if complete else []
-            yield partial(_judged, by_name[task.study], plan, tasks, results, started) if complete else None
+            judged = partial(_judged, by_name[task.study], plan, tasks, results, started, digests[task.study])
+            yield judged if complete else None, left > 0
 
-    yield from (judged() for judged in judgements() if judged) if here else _beside(judgements())
+    if here or plan.scheduler:
+        yield from (judged() for judged, _ in judgements() if judged)
+    else:
+        yield from _beside(judgements())
 
 
-def _beside(calls: "Iterable[partial[StudyRun] | None]") -> Iterator[StudyRun]:
-    """Make calls in a process of its own while the iterable goes on, and the rest here.
+def _beside(calls: "Iterable[tuple[partial[StudyRun] | None, bool]]") -> Iterator[StudyRun]:
+    """Make calls in a process of its own while runs go on, and the rest here; what stops the runs does not stop these calls.
 
     A thread would not do: the netCDF library takes one at a time, and what is read closes its file wherever it is collected.
+
+    Parameters
+    ----------
+    calls : iterable of (partial or None, bool)
+        After every run: what judges its study, if the run was its last one; and whether others go on.
     """
     waiting: deque[partial[StudyRun]] = deque()
-    judge = Worker(Crew(operator.call, _lost, math.inf))
+    judge: Worker[partial[StudyRun], StudyRun | None] = Worker(Crew(operator.call, _undone, math.inf))
     try:
-        for call in calls:
+        for call, going_on in calls:
+            if call:
+                waiting.append(call)
             while judge.task and judge.connection.poll():
                 if finished := judge.receive():
-                    yield finished[1]
-            if waiting and not judge.task:
+                    yield finished[1] or finished[0]()
+            if waiting and not judge.task and going_on:  # the last study is not worth another process
                 judge.start(waiting.popleft())
-            if call:
-                waiting.append(call)  # until the next run is finished: the last study is not worth another process
-        if judge.task:
-            yield judge.result()
+        if call := judge.task:
+            yield judge.result() or call()
+        while waiting:
+            yield waiting.popleft()()
+    except BaseException:
+        if call := judge.task:
+            _ = judge.result() or call()
+        for call in waiting:
+            call()
+        raise
     finally:
         judge.stop()
-    for call in waiting:
-        yield call()
 
 
-def _lost(call: "partial[StudyRun]", failure: Failure, reason: str) -> StudyRun:
-    raise ResultsError(
-        f"study {call.args[0].name!r} could not be judged ({failure}: {reason}): run it again, all its runs are at hand"
-    )
+def _undone(call: "partial[StudyRun]", failure: Failure, reason: str) -> None:
+    """Result of a call that killed its process, or raised: it is made here, where the error is seen."""
 
 
 def _at_hand(task: Task) -> bool:
@@ -230,8 +244,8 @@ def _inputs(study: Study, plan: Plan, tasks: Sequence[Task]) -> str:
     return digest(study, plan.tier, keys, file_digest(plan.baseline.path), code=JUDGING)
 
 
-def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated], run: str) -> StudyRun:
-    """Judge a study whose runs are all finished, and store it; `run` is when the run of all studies started."""
+def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated], run: str, inputs: str) -> StudyRun:
+    """Judge a study whose runs are all finished, and store it; for `run`, when the run of all studies started, and `inputs` see there."""
     from mpmverify.dataset.study import write_study  # imports xarray, which a run with nothing to do does without
 
     started = time.perf_counter()
@@ -240,7 +254,7 @@ def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence
     judged = judge(study.name, study.criteria(), evidence, plan.baseline, study.restricted_to)
     # A run without a file is tried again next time: its study is not up to date.
     complete = all(plan.results.run(task.key).exists() for task in tasks)
-    inputs = _inputs(study, plan, tasks) if complete else ""
+    inputs = inputs if complete else ""
     snapshots = {entry.level.series: entry.snapshots for entry in evaluated if entry.snapshots}
     write_study(plan.results.study(study.name), study, levels, snapshots, judged, tier=plan.tier, inputs=inputs, run=run)
     write_verdicts(plan.results, study.name, inputs, judged.findings)

@@ -169,6 +169,7 @@ class Worker(Generic[T, R]):
             self.deadline = time.monotonic() + self.crew.limit
             return None
         if isinstance(message, MpmverifyError):
+            self.task = None
             raise message
         if isinstance(message, Raised):
             return self._finish(self.crew.failed(self._at_hand(), Failure.RAISED, message.text))
