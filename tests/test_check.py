@@ -186,6 +186,16 @@ def test_declarations_are_looked_at_first():
     assert "conserves is 'mass'" in check(conserves, BOX)[0].what
 
 
+def test_the_histories_of_a_declared_energy_must_be_there():
+    def kept(*left_out):
+        return lambda s, *_: {"histories": {name: h for name, h in s.histories.items() if name not in left_out}}
+
+    promised = frozenset({"energy"})
+    assert check(Mistaken(kept(), conserves=promised), BOX) == []
+    (remark,) = check(Mistaken(kept("external_work"), conserves=promised), BOX)
+    assert remark.what == "it declares that it conserves energy, and lacks the history external_work"
+
+
 def test_a_refusal_is_an_error():
     with pytest.raises(UsageError, match="cannot solve"):
         check(TaylorGalerkin(passes=1), RING)

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from mpmverify.adapters.mistakes import TESTS, Remark, Run, same
+from mpmverify.criteria.expectations import INVARIANTS
 from mpmverify.errors import MpmverifyError, UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.execution.contract import breach, confirmed, malformed
@@ -71,8 +72,8 @@ def _declared(solver: Solver) -> Iterator[Remark]:
         yield Remark(
             f"orders is {orders!r}", f"it is a mapping from some of {', '.join(UNITS)} to orders, such as {{'displacement': 2}}"
         )
-    if isinstance(conserves, str) or not set(conserves) <= {"mass", "momentum"}:
-        yield Remark(f"conserves is {conserves!r}", "it is a set of 'mass' and 'momentum', or frozenset()")
+    if isinstance(conserves, str) or not set(conserves) <= set(INVARIANTS):
+        yield Remark(f"conserves is {conserves!r}", f"it is a set of some of {', '.join(INVARIANTS)}, or frozenset()")
 
 
 def _solved(solver: Solver, problem: VerificationProblem, level: Discretisation) -> tuple[Run | None, Remark | None]:
@@ -122,9 +123,13 @@ def _missing(solver: Solver, run: Run) -> Iterator[Remark]:
         if quantity in run.problem.exact.fields and quantity not in run.solution.fields:
             yield Remark(f"it declares an order of the {quantity} and returns none", "return the field, or leave its order out")
     dimension = run.problem.problem.dimension
-    needed = {"mass": ("mass",), "momentum": (*components("momentum", dimension), *components("impulse", dimension))}
+    needed = {
+        "mass": ("mass",),
+        "momentum": (*components("momentum", dimension), *components("impulse", dimension)),
+        "energy": ("kinetic_energy", "strain_energy", "external_work"),
+    }
     for invariant in solver.conserves:
-        if invariant == "momentum" and isinstance(run.problem.problem.material, Transport):
+        if invariant != "mass" and isinstance(run.problem.problem.material, Transport):
             continue
         if lacks := [name for name in needed[invariant] if name not in run.solution.histories]:
             yield Remark(

@@ -151,7 +151,7 @@ TEMPLATE = """\
 #   mpmverify run --with {place}
 name = "my-code"
 orders = {{ {quantities} }}  # formal order in h of each field that you return; delete the others
-conserves = []  # "mass", "momentum": needs histories
+conserves = []  # "mass", "momentum", "energy": needs histories
 problems = "problems.json"
 points = "{points}"
 result = "result.csv"  # in each folder; or a pattern such as "out*.vtu", one file for each output time
