@@ -212,6 +212,13 @@ def test_the_ends_of_an_interval_are_quantiles_of_the_order(confidence):
         assert series.estimate.step_below(end) == pytest.approx(below, abs=1e-4)
 
 
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_sizes_over_a_hundred_decades_have_no_interval():
+    h = 10.0 ** np.linspace(-2, -190, 9)
+    fit = analyse(h, np.geomspace(1, 1e-3, 9)).fit
+    assert np.isnan([fit.low, fit.high]).all()
+
+
 def test_pre_asymptotic_coarse_levels_are_dropped_and_named():
     error = HALVED**2
     error[:2] = [0.3, 0.22]

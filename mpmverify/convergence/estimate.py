@@ -7,6 +7,7 @@ tells nothing. The coarser levels are rough: their errors lie anywhere. A run of
 freedom, so that its interval is wide.
 """
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -40,6 +41,8 @@ AMPLITUDES = np.linspace(-0.55, 0.55, 48)
 """Ratios of the alternating part to the other one at the coarsest size."""
 END = 1e-7
 """Accuracy of the end of an interval, which lies between the least and the greatest end by a single law."""
+NEWTON = 50
+"""Number of steps of Newton's iteration to an end, after which it is bisection."""
 NEGLIGIBLE = 1e-3
 """Probability of the least probable laws, all together, that are left out."""
 
@@ -150,16 +153,18 @@ class Estimate:
         half_width = np.array([student_quantile(n, confidence) for n in range(1, freedom.max() + 1)])[freedom - 1] * self.error
         quantiles = self.limit + self.step + np.stack([-half_width, half_width])
         low, high, end = quantiles.min(axis=1), quantiles.max(axis=1), quantiles[:, 0]
-        while (
-            True
-        ):  # Newton's iteration from the ends by the most probable law; a step that leaves the bracket halves it instead
+        # Newton's iteration from the ends by the most probable law; a step that leaves the bracket, or a late one, halves it instead.
+        for attempt in itertools.count():
             missing = tails - self.step_below(end)
+            if not np.all(np.isfinite(missing)):  # of sizes over so many decades that their squares overflow
+                break
             low, high = np.where(missing > 0, end, low), np.where(missing > 0, high, end)
             newton = end + missing / self._step_density(end)
-            following = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2)
+            following = np.where((low <= newton) & (newton <= high) & (attempt < NEWTON), newton, (low + high) / 2)
             if np.all(np.abs(following - end) <= END * np.maximum(1.0, np.abs(end))):
                 return min(float(following[0]), self.order), max(float(following[1]), self.order)
             end = following
+        return math.nan, math.nan
 
     def step_below(self, order: Array | float) -> Array:
         """Probability that the order of the finest step lies below a value, or each of several (m,)."""
