@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from mpmverify.convergence.verdict import Verdict
+from mpmverify.errors import ResultsError
 from mpmverify.judgement.diagnosis import Measured, diagnosis, signature
 
 from .dossiers import Dossier, Entry
@@ -19,7 +20,10 @@ def likely_causes(dossier: Dossier) -> str:
         if entry.record.name.endswith(own):
             failed = failed or any(finding.verdict is Verdict.FAIL for finding in entry.findings)
             found |= signature(entry.record.name.removesuffix(own), _measured(entry))
-    said = diagnosis(found) if failed else ""
+    try:
+        said = diagnosis(found) if failed else ""
+    except ResultsError:  # the run that failed has said so
+        return ""
     return f"{said[:1].upper()}{said[1:]}." if said else ""
 
 

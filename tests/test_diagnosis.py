@@ -3,7 +3,6 @@
 import ast
 import dataclasses
 import json
-import re
 from pathlib import Path
 
 import numpy as np
@@ -155,23 +154,34 @@ def faulty(tmp_path):
         yield copied(package, SPLINES)
 
 
-def test_the_first_failure_says_the_cause_with_the_size_and_onset_of_the_error(faulty):
+def test_a_failed_order_says_the_size_and_the_onset_of_the_error(faulty):
     failed = [finding for finding in verify(faulty, LAYER) if finding.verdict is Verdict.FAIL]
     assert len(failed) > 1
     assert "at h=0.03125 the error is 0." in failed[0].reason
     assert "of the field, and shows from t = " in failed[0].reason
-    assert re.search(rf"errors like these come from {SPIN} \((1\.00|0\.9\d)\)", failed[0].reason)
-    assert failed[0].reason.endswith("likenesses with faults planted in another code, not proofs")
-    assert not any("like these" in finding.reason for finding in failed[1:])
 
 
-def test_a_solver_that_passes_is_not_diagnosed():
-    assert not any("like these" in finding.reason for finding in verify(SPLINES, LAYER))
+def test_errors_of_few_cases_or_of_a_sound_variant_have_no_cause():
+    table = read_signatures()
+    (variant, changes), *_ = table.changes.items()
+    places = dict(zip(table.entries, table.sound[variant] + changes[SPIN][0], strict=True))
+    wrong = {place: value for place, value in places.items() if np.isfinite(value)}
+    cases = list(dict.fromkeys(tuple(place.split(" | ")[:2]) for place in wrong))
+
+    def said(number, found):
+        return diagnosis.diagnosis({p: v for p, v in found.items() if tuple(p.split(" | ")[:2]) in cases[:number]})
+
+    assert SPIN in said(len(cases), wrong)
+    assert said(diagnosis.LEAST_CASES - 1, wrong) == ""
+    for sound in table.sound.values():
+        right = {place: value for place, value in zip(table.entries, sound, strict=True) if np.isfinite(value)}
+        assert diagnosis.diagnosis(right) == ""
 
 
 def test_no_cause_is_named_that_is_not_similar_enough(monkeypatch):
     alike = [Likeness("one", 0.97), Likeness("two", diagnosis.THRESHOLD), Likeness("three", diagnosis.THRESHOLD - 0.01)]
     monkeypatch.setattr(Signatures, "likenesses", lambda *_: tuple(alike))
+    monkeypatch.setattr(diagnosis, "LEAST_CASES", 0)
     assert diagnosis.diagnosis({}).startswith(f"errors like these come from one (0.97) or two ({diagnosis.THRESHOLD:.2f}): ")
     alike[:] = alike[2:]
     assert diagnosis.diagnosis({}) == ""
@@ -197,6 +207,7 @@ def test_a_run_with_an_own_solver_says_the_causes_once_and_on_its_page(tmp_path,
     from mpmverify.cli import cli
 
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(diagnosis, "LEAST_CASES", 1)
     home = type(faulty).__module__
     (tmp_path / "own.py").write_text(
         f"from {home} import Textbook\nOWN = Textbook('USL', 'FLIP', 'quadratic')\n", encoding="utf-8"

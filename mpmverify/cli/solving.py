@@ -162,6 +162,8 @@ def selftest(
         from mpmverify.selftest.signatures import make_signatures
         from mpmverify.solvers.textbook import Textbook
 
+        if not signatures.absolute().parent.is_dir():
+            raise UsageError(f"'{signatures.parent}' is no folder: make it first, or choose another place for the table")
         with Progress(Console(stderr=True)) as progress:
             table = make_signatures(studies.get, sources, Textbook, jobs or processors(), progress.update)
         table.write(signatures)

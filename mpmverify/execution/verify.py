@@ -4,13 +4,11 @@ import dataclasses
 import pickle
 from collections.abc import Sequence
 
-from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import Level, SeriesId, evidence_of
 from mpmverify.criteria.expectations import expectations
 from mpmverify.errors import UsageError
 from mpmverify.execution.contract import lacking
-from mpmverify.execution.diagnosis import diagnose
 from mpmverify.execution.evaluation import Task
 from mpmverify.execution.processes import inline, over_processes
 from mpmverify.judgement.findings import Finding
@@ -52,7 +50,7 @@ def verify(
     Returns
     -------
     tuple of Finding
-        One for each criterion, and at least one. The first FAIL also says which planted faults leave errors like these.
+        One for each criterion, and at least one.
 
     Raises
     ------
@@ -90,18 +88,7 @@ def verify(
     ]
     levels = _levels(tasks, timeout)
     series = SeriesId(chosen.name, solver.name, refinement.label)
-    findings = judge(study.name, {series: demanded}, {series: evidence_of(levels)}).findings
-    return _with_diagnosis(findings, dataclasses.replace(study, cases=(chosen,)), levels)
-
-
-def _with_diagnosis(findings: tuple[Finding, ...], study: Study, levels: Sequence[Level]) -> tuple[Finding, ...]:
-    """Return the findings with what errors like these come from in the reason of the first FAIL."""
-    failed = next((k for k, finding in enumerate(findings) if finding.verdict is Verdict.FAIL), None)
-    said = "" if failed is None else diagnose([study], {study.name: levels}, levels[0].solver)
-    if failed is None or not said:
-        return findings
-    first = findings[failed]
-    return (*findings[:failed], dataclasses.replace(first, reason=f"{first.reason}; {said}"), *findings[failed + 1 :])
+    return judge(study.name, {series: demanded}, {series: evidence_of(levels)}).findings
 
 
 def _case(study: Study, name: str) -> Case:
