@@ -97,7 +97,7 @@ def motion(profile: Profile) -> Motion | None:
     rotating = np.array([1, 1j * np.sign(turn)])
     ratio = (shown @ rotating) / (known @ rotating)
     amplitude = np.abs(ratio)
-    kept = np.logical_and.accumulate(rest <= REST * amplitude)
+    kept = np.logical_and.accumulate((rest <= REST * amplitude) & (amplitude > 0))
     if kept.sum() < OUTPUTS or (amplitude > GROWN).any():
         return None
     phase = np.full(len(ratio), np.nan)

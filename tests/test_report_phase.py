@@ -129,6 +129,11 @@ def test_too_little_to_tell_has_no_phase() -> None:
         assert motion(profile(exact, exact, ("displacement", "velocity"), time)) is None
 
 
+def test_a_solution_that_is_zero_has_no_phase() -> None:
+    exact = wave("standing")
+    assert motion(profile(exact, {name: 0 * values for name, values in exact.items()}, ("displacement", "velocity"))) is None
+
+
 def test_an_unstable_mode_has_no_phase() -> None:
     exact = wave("standing")
     grown = {name: values * (-1.1) ** np.arange(len(TIME))[:, None] for name, values in exact.items()}
