@@ -1,5 +1,6 @@
 """What a case asks of a solver, in a few lines: its problem, how far it strains and moves a body, and its levels."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,6 +14,8 @@ from mpmverify.study import Case
 SAMPLES = 9
 """Number of times, from the start to the end, at which the largest strain and displacement are looked for."""
 
+MOST_POINTS = 100_000
+"""Largest number of material points of a coarsest level at which they are looked for."""
 SMALL = 0.02
 """Displacement gradient below which what differs by its square, or the stress by it, is hidden by the errors of most levels."""
 
@@ -33,8 +36,8 @@ def described(case: Case) -> Iterator[tuple[str, str]]:
         yield "body force", "none" if force is None else "at positions" if isinstance(force, Spatial) else "at material points"
     yield "fields", ", ".join(quantity.replace("_", " ") for quantity in case.problem.exact.fields)
     try:
-        ladder = case.ladder_in_h()
         case.converging()
+        ladder = case.ladder_in_h()
     except UsageError:
         yield "your code", "cannot be judged here by what it declares: give criteria and levels"
     else:
@@ -46,22 +49,30 @@ def described(case: Case) -> Iterator[tuple[str, str]]:
 def _motion(case: Case) -> Iterator[tuple[str, str]]:
     """Yield the largest displacement gradient and displacement of the material points."""
     problem, fields = case.problem.problem, case.problem.exact.fields
-    ladder = case.ladder or case.series[0].refinement
-    levels = ladder.tier("quick") or ladder.levels
+    ladders = [case.ladder] if case.ladder else [series.refinement for series in case.series]
+    levels = [level for ladder in ladders[:1] for level in ladder.tier("quick") or ladder.levels]
+    if not levels:
+        return
     coarsest, finest = (choose(levels, key=lambda level: level.h) for choose in (max, min))
+    count = math.prod(coarsest.cells(problem)) * coarsest.ppc**problem.dimension
+    if count > MOST_POINTS:
+        yield "strain", f"not looked for: the coarsest level has {count} material points"
+        return
     points, times = place_particles(problem, coarsest)[0], np.linspace(0.0, problem.end_time, SAMPLES)
-    if "displacement_gradient" in fields:
-        strain = _largest(fields["displacement_gradient"](points, times))
+    largest = {}
+    for quantity in fields.keys() & {"displacement_gradient", "displacement"}:
+        try:
+            largest[quantity] = float(np.max(np.abs(fields[quantity](points, times))))
+        except Exception as error:  # the closed form may be the user's own
+            raise UsageError(f"the exact {quantity} of case {case.name!r} raises {type(error).__name__}: {error}") from error
+    if (strain := largest.get("displacement_gradient")) is None:
+        yield "strain", "not known: the displacement gradient is no field of the exact solution"
+    else:
         yield "strain", f"displacement gradient up to {strain:.2g}"
         if strain < SMALL:
             yield (
                 "hardly sees",
                 "which measure the stress has, whether volumes change, and products of strains and of rotations",
             )
-    if "displacement" in fields:
-        moved = _largest(fields["displacement"](points, times))
+    if (moved := largest.get("displacement")) is not None:
         yield "moves", f"up to {moved:.2g} m, which is {moved / finest.h:.2g} cells of the finest level"
-
-
-def _largest(values: np.ndarray) -> float:
-    return float(np.max(np.abs(values)))
