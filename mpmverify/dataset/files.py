@@ -109,7 +109,12 @@ def _attributes(path: Path, kind: str) -> dict[str, Any]:
             attributes = {name: file.getncattr(name) for name in file.ncattrs()}
     except FileNotFoundError as error:
         raise ResultsError(f"'{path}' does not exist: run `mpmverify run` first") from error
-    except (OSError, RuntimeError, UnicodeDecodeError) as error:
+    except (
+        OSError,
+        RuntimeError,
+        AttributeError,
+        UnicodeDecodeError,
+    ) as error:  # the third: of an attribute that cannot be opened
         if _was_netcdf(path):
             raise damaged(path) from error
         raise ResultsError(f"'{path}' is not a readable netCDF file: move it away or choose another folder") from error

@@ -37,5 +37,5 @@ def _keys(path: Path) -> list[str]:
     try:
         with netCDF4.Dataset(path) as file:
             return [str(key) for group in file.groups.values() for key in group["run"][...]]
-    except (OSError, RuntimeError, LookupError, ValueError) as error:
+    except (OSError, RuntimeError, AttributeError, LookupError, ValueError) as error:
         raise damaged(path) from error

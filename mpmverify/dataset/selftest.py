@@ -81,7 +81,7 @@ def read_selftest(path: Path) -> SelfTest:
             rates = Rates(*(_rows(Rate, tree[name].to_dataset()) for name in RATES))
             every_study = bool(attributes["every_study"])
             return SelfTest(str(attributes["tier"]), int(attributes["sites"]), faults, runs, rates, every_study)
-    except (OSError, RuntimeError, ValueError, KeyError) as error:
+    except (OSError, RuntimeError, AttributeError, ValueError, KeyError) as error:
         raise damaged(path) from error
 
 
