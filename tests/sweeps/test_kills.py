@@ -22,7 +22,7 @@ from mpmverify.execution.runner import tasks_of
 KILLS = int(os.environ.get("KILLS", "8"))
 TESTS = Path(__file__).parent.parent
 SOURCE = "from faulty_solvers import Scripted, study\n\nSTUDY = study(Scripted('dawdles'), Scripted('good'), levels=8)\n"
-PASSING = ("date_created", "history", "id", "checksum")
+PASSING = ("date_created", "history", "id", "checksum", "run_started", "run_before_started")
 """Attributes that say when a file was written, and the checksum over them."""
 
 
