@@ -88,8 +88,8 @@ class Distributed:
                 packed = _packed(task)
                 try:
                     future = client.submit(solve_apart, packed, sys.path, self.timeout, session, pure=False)
-                except Exception:
-                    self._check(client)  # it was closed meanwhile
+                except Exception:  # raised again, unless the client was closed meanwhile
+                    self._check(client)
                     raise
                 future.add_done_callback(finished.put)
                 flying[future] = task
@@ -191,7 +191,8 @@ def solve_apart(packed: bytes, path: Sequence[str], timeout: float, session: str
     if getattr(_thread, "session", "") != session:
         if _thread.__dict__.get("worker"):
             _thread.worker.stop()
-        # A dask worker is a daemon, which multiprocessing forbids children. Ours end with their parent, see `serving`.
+        # A dask worker is a daemon, which multiprocessing forbids children. Ours end with their parent, see `serving`. There is no public
+        # way to allow them, so that a type checker does not know this one.
         multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
         _thread.worker, _thread.session = Worker(Crew(_solve_packed, _ended, timeout)), session
     worker: Worker[bytes, Evaluated | tuple[Failure, str]] = _thread.worker
