@@ -13,10 +13,11 @@ from mpmverify import studies
 from mpmverify.adapters.check import check
 from mpmverify.adapters.mistakes import Run
 from mpmverify.cli import cli
-from mpmverify.criteria import Stall
+from mpmverify.criteria import EnergyConserved, EnergyDecays, EnergyDrift, Stall
 from mpmverify.criteria.criterion import Setting
+from mpmverify.criteria.energies import energy_drift
 from mpmverify.criteria.evidence import Level, evidence_of
-from mpmverify.criteria.histories import energy_drift, moved_momentum
+from mpmverify.criteria.histories import moved_momentum
 from mpmverify.errors import UsageError
 from mpmverify.execution.verify import verify
 from mpmverify.solvers.mpm import PIC, MaterialPoint
@@ -30,6 +31,7 @@ def case(study: str, name: str):
     return found
 
 
+PLANE_WAVES = studies.get("plane-waves")
 BOX, BAR, RING = case("plane-waves", "box"), case("driven-bar", "loaded-right"), case("generalised-vortex", "0.05 rad")
 
 
@@ -290,6 +292,50 @@ def test_heat_counts_in_the_energy_of_viscous_bodies_alone():
     solution, setting = solved(BOX)
     warm = dataclasses.replace(solution, histories={**solution.histories, "dissipated_energy": solution.histories["time"]})
     assert energy_drift(warm, setting) == energy_drift(solution, setting)
+
+
+@pytest.mark.parametrize("criterion", [EnergyDrift(1.8, "s"), EnergyConserved("s"), EnergyDecays("s")])
+def test_energies_that_are_made_up_are_not_conserved(criterion):
+    """Constant ones are not those of the points, and an external work without a load takes nothing from the balance."""
+    promised = frozenset({"energy"})
+
+    def constant(s, *_):
+        one, zero = np.ones_like(s.histories["time"]), np.zeros_like(s.histories["time"])
+        return {"histories": {**s.histories, "kinetic_energy": one, "strain_energy": zero, "external_work": zero}}
+
+    (finding,) = verify(Mistaken(constant), PLANE_WAVES, "box", criteria=[criterion])
+    assert finding.verdict == "FAIL"
+    assert finding.reason.startswith(
+        "the kinetic energy is not the sum of mass x |velocity|^2 / 2 over the sample points: off by up to"
+    )
+    assert "of the points" in check(Mistaken(constant, conserves=promised), BOX)[0].what
+
+    def lost(s, *_):
+        lost = 0.3 * s.histories["time"] / s.histories["time"][-1]
+        energy = (1 - lost) * s.histories["strain_energy"]
+        work = energy + s.histories["kinetic_energy"]
+        return {"histories": {**s.histories, "strain_energy": energy, "external_work": work - work[0]}}
+
+    (finding,) = verify(Mistaken(lost), PLANE_WAVES, "box", criteria=[criterion])
+    assert finding.verdict == "FAIL"
+    assert check(Mistaken(lost, conserves=promised), BOX) == []
+
+
+def test_without_velocities_the_kinetic_energy_is_held_against_the_exact_one():
+    def only_displacements(factor):
+        def changed(s, *_):
+            fields = {"displacement": s.fields["displacement"]}
+            histories = {**s.histories, "kinetic_energy": factor * s.histories["kinetic_energy"]}
+            return {"fields": fields, "histories": histories}
+
+        return Mistaken(changed)
+
+    right, wrong = (
+        verify(only_displacements(factor), PLANE_WAVES, "box", criteria=[EnergyDrift(1.5, "s")])[0] for factor in (1, 2)
+    )
+    assert right.verdict == "PASS"
+    assert wrong.verdict == "FAIL"
+    assert "sample points" in wrong.reason
 
 
 def test_what_moves_is_of_the_mass_at_the_start():

@@ -7,6 +7,8 @@ from itertools import combinations
 
 import numpy as np
 
+from mpmverify.criteria.criterion import Setting
+from mpmverify.criteria.energies import energy_balance, kinetic_apart
 from mpmverify.criteria.histories import moved_momentum
 from mpmverify.exact import VerificationProblem
 from mpmverify.problem import Array, Discretisation, LinearElastic, Periodic, components
@@ -218,4 +220,13 @@ def _momentum(run: Run) -> Found:
             )
 
 
-TESTS: tuple[Callable[[Run], Found], ...] = (_still, _factors, _exchanged, _shifted, _moved, _momentum)
+def _energy(run: Run) -> Found:
+    """Kinetic energies that are not those of the points."""
+    setting = Setting(run.problem, run.level)
+    if "energy" in run.conserves and (balance := energy_balance(run.solution, setting)) is not None:
+        for apart in kinetic_apart(run.solution, setting, balance[1]).values():
+            what = f"the history kinetic_energy differs from that of the points by up to {apart:.2g} of the largest energy"
+            yield "energy", Remark(what, "sum density x volume x |velocity|^2 / 2, after every step")
+
+
+TESTS: tuple[Callable[[Run], Found], ...] = (_still, _factors, _exchanged, _shifted, _moved, _momentum, _energy)

@@ -9,10 +9,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mpmverify.criteria.criterion import Criterion
+from mpmverify.criteria.energies import EnergyConserved, EnergyDecays, EnergyDrift
 from mpmverify.criteria.errors import Exact, Order, Published, Reproduced, Size, Stall
 from mpmverify.criteria.evidence import SeriesId
 from mpmverify.criteria.field_sums import FieldSums
-from mpmverify.criteria.histories import Balance, EnergyConserved, EnergyDecays, EnergyDrift, ExactTotal
+from mpmverify.criteria.histories import Balance, ExactTotal
 from mpmverify.criteria.modes import Amplification
 from mpmverify.criteria.outcomes import Unstable
 from mpmverify.criteria.sources import Separated

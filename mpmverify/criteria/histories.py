@@ -1,18 +1,16 @@
-"""Criteria on histories: conservation of mass, momentum and energy, closed forms of them, and the order of the energy drift."""
+"""Criteria on histories: conservation of mass and momentum, and their closed forms."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from mpmverify.convergence import PLAUSIBLE, analyse, judge_order
 from mpmverify.convergence.verdict import Judgement, Verdict
-from mpmverify.criteria.bounds import finite_and_non_negative, judge_largest, relative_defect
+from mpmverify.criteria.bounds import judge_largest, relative_defect
 from mpmverify.criteria.criterion import Setting
 from mpmverify.criteria.evidence import Evidence, first_absent
 from mpmverify.errors import UsageError
 from mpmverify.problem import Array, LinearElastic, components
-from mpmverify.problem.material import KelvinVoigt, Maxwell
 from mpmverify.solution import Solution
 
 OF_POINTS = "momentum_of_points"
@@ -154,135 +152,3 @@ def moved_momentum(solution: Solution, density: float) -> float:
     if velocity is None:
         velocity = np.diff(solution.position, axis=0) / np.diff(solution.time)[:, None, None]
     return float(density * np.max(np.linalg.norm(velocity, axis=2) @ solution.weight[0], initial=0.0))
-
-
-DRIFT_ROUND_OFF = 1e-11
-"""Relative energy drift at and below which the drift is round-off."""
-
-DRIFT, RISE = "energy_drift", "energy_rise"
-"""Names of the metrics."""
-NO_ENERGY = "no energy to balance: kinetic and strain energy are zero throughout"
-
-
-def energy_balance(solution: Solution, setting: Setting) -> tuple[Array, float] | None:
-    """Energy balance of a run: kinetic plus strain energy less external work.
-
-    For a viscous material the dissipated energy is added. For an elastic one it is not, even if the solver returns such a history.
-
-    Returns
-    -------
-    (Array, float) or None
-        The balance (N + 1,) after each of N steps and its scale, the largest kinetic plus strain energy, in the unit of the histories;
-        None if a history is missing.
-    """
-    history = solution.histories
-    if not {"kinetic_energy", "strain_energy", "external_work"} <= history.keys():
-        return None
-    energy = history["kinetic_energy"] + history["strain_energy"]
-    total = energy - history["external_work"]
-    if isinstance(setting.problem.problem.material, KelvinVoigt | Maxwell) and "dissipated_energy" in history:
-        total = total + history["dissipated_energy"]
-    return total, float(np.max(np.abs(energy)))
-
-
-def energy_drift(solution: Solution, setting: Setting) -> Mapping[str, float]:
-    """Largest drift of the energy balance, relative to the largest energy."""
-    if (found := energy_balance(solution, setting)) is None:
-        return {}
-    total, scale = found
-    return relative_defect(DRIFT, total - total[0], scale)
-
-
-@dataclass(frozen=True)
-class EnergyDrift:
-    """The relative drift of kinetic, strain and dissipated energy less external work converges to zero with dt.
-
-    Parameters
-    ----------
-    low : float
-        Lowest accepted order of the drift in dt; the drift may also be at round-off.
-    source : str
-    round_off : float
-        Relative drift at and below which it is round-off.
-    """
-
-    low: float
-    source: str
-    round_off: float = DRIFT_ROUND_OFF
-
-    @property
-    def title(self) -> str:
-        return f"energy drift vanishes at order {self.low:g} or more"
-
-    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        return energy_drift(solution, setting)
-
-    def judge(self, evidence: Evidence) -> Judgement:
-        if where := first_absent(DRIFT, evidence):
-            return Verdict.ERROR, f"{NO_ENERGY} at {where}"
-        drift = evidence.metrics[DRIFT]
-        if not finite_and_non_negative(drift):
-            return Verdict.ERROR, "the energy drift is not finite, or negative, on at least one level"
-        if np.all(drift <= self.round_off):
-            return Verdict.PASS, f"largest relative drift {drift.max():.1e}: round-off"
-        if len(np.unique(evidence.dt)) < len(drift):
-            return Verdict.INCONCLUSIVE, f"drift up to {drift.max():.1e}; an order in dt needs another dt on every level"
-        verdict, reason = judge_order(analyse(evidence.dt, drift, round_off=self.round_off, size="dt"), self.low, PLAUSIBLE)
-        return verdict, f"drift {drift.min():.1e} at best, in dt: {reason}"
-
-
-@dataclass(frozen=True)
-class EnergyConserved:
-    """Kinetic, strain and dissipated energy less external work is constant to round-off.
-
-    Parameters
-    ----------
-    source : str
-    bound : float
-        Largest relative drift.
-    """
-
-    source: str
-    bound: float = DRIFT_ROUND_OFF
-
-    @property
-    def title(self) -> str:
-        return f"energy conserved to {self.bound:g}"
-
-    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        return energy_drift(solution, setting)
-
-    def judge(self, evidence: Evidence) -> Judgement:
-        if where := first_absent(DRIFT, evidence):
-            return Verdict.ERROR, f"{NO_ENERGY} at {where}"
-        return judge_largest(evidence.metrics[DRIFT], self.bound, "relative energy drift")
-
-
-@dataclass(frozen=True)
-class EnergyDecays:
-    """Kinetic, strain and dissipated energy less external work never increases by more than round-off, as in a dissipative scheme.
-
-    Parameters
-    ----------
-    source : str
-    bound : float
-        Largest increase over the smallest earlier value, relative to the largest energy.
-    """
-
-    source: str
-    bound: float = DRIFT_ROUND_OFF
-
-    @property
-    def title(self) -> str:
-        return f"energy never rises by more than {self.bound:g}"
-
-    def measure(self, solution: Solution, setting: Setting) -> Mapping[str, float]:
-        if (found := energy_balance(solution, setting)) is None:
-            return {}
-        total, scale = found
-        return relative_defect(RISE, total - np.minimum.accumulate(total), scale)
-
-    def judge(self, evidence: Evidence) -> Judgement:
-        if where := first_absent(RISE, evidence):
-            return Verdict.ERROR, f"{NO_ENERGY} at {where}"
-        return judge_largest(evidence.metrics[RISE], self.bound, "relative rise of the energy")
