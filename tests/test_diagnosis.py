@@ -97,6 +97,16 @@ def test_the_table_is_of_the_problems_and_faults_that_there_are():
     assert TABLE.stat().st_size < 300_000
 
 
+def test_problems_are_the_same_up_to_their_last_digits():
+    problem = case(BENCHES[0].study, BENCHES[0].case).problem
+
+    def stretched(factor):
+        material = dataclasses.replace(problem.problem.material, density=problem.problem.material.density * factor)
+        return problem_digest(dataclasses.replace(problem, problem=dataclasses.replace(problem.problem, material=material)))
+
+    assert stretched(1 + 4e-16) == problem_digest(problem) != stretched(1 + 1e-6)
+
+
 def test_the_table_holds_what_the_code_gives_today(monkeypatch):
     """Of one case, one variant and one fault, made anew."""
     monkeypatch.setattr(signatures, "BENCHES", [bench for bench in BENCHES if bench.case == LAYER.cases[0].name])

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from mpmverify.criteria.evidence import Level
 from mpmverify.errors import ResultsError
@@ -10,6 +11,9 @@ from mpmverify.exact import VerificationProblem
 from mpmverify.execution.keys import canonical
 from mpmverify.judgement.diagnosis import diagnosis, measured, read_signatures, signature
 from mpmverify.study import Study
+
+DIGITS = 9
+"""Significant digits of the numbers of a problem: processors and libraries differ in the last ones."""
 
 
 def diagnose(studies: Sequence[Study], levels: Mapping[str, Sequence[Level]], solver: str) -> str:
@@ -48,6 +52,14 @@ def diagnose(studies: Sequence[Study], levels: Mapping[str, Sequence[Level]], so
 
 
 def problem_digest(problem: VerificationProblem) -> str:
-    """Digest of the values of a problem and of its exact fields, whatever code they stand for."""
-    body = json.dumps(canonical([problem.problem, problem.exact.fields], set()), sort_keys=True)
+    """Digest of the values of a problem and of its exact fields, whatever code they stand for; numbers count to `DIGITS`."""
+    body = json.dumps(_rounded(canonical([problem.problem, problem.exact.fields], set())), sort_keys=True)
     return hashlib.sha256(body.encode()).hexdigest()[:16]
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}")
+    if isinstance(value, dict):
+        return {name: _rounded(entry) for name, entry in value.items()}
+    return [_rounded(entry) for entry in value] if isinstance(value, list) else value
