@@ -113,6 +113,13 @@ def test_a_run_that_is_tried_again_in_vain_does_not_hide_what_broke(tmp_path: Pa
     ]
 
 
+def test_lost_verdicts_are_judged_again_and_change_nothing(tmp_path: Path, judged) -> None:
+    judged(1, study())
+    said = judged(2, study(Scripted(order=1.0)))
+    Results(tmp_path).verdicts.unlink()
+    assert judged(3, study(Scripted(order=1.0))) == said == [f"Since the run before (2026-01-01 09:05 UTC): {TURNED}"]
+
+
 def as_older(path: Path) -> None:
     with netCDF4.Dataset(path, "a") as file:
         for name in (RUN, BEFORE):

@@ -38,7 +38,7 @@ class History:
     changes: tuple[Change, ...] = ()
 
 
-def history(path: Path, run: str, findings: Sequence[Finding], restricted_to: str = "") -> History:
+def history(path: Path, run: str, inputs: str, findings: Sequence[Finding], restricted_to: str = "") -> History:
     """Compare the findings of a study with those in the file that is about to be replaced.
 
     Parameters
@@ -47,6 +47,8 @@ def history(path: Path, run: str, findings: Sequence[Finding], restricted_to: st
         File of the study; without a file, or if it cannot be read, there is nothing to compare with.
     run : str
         Start of this run.
+    inputs : str
+        Digest of everything that the file depends on; "" if the file must be written again at the next run.
     findings : sequence of Finding
         What this run found.
     restricted_to : str
@@ -54,8 +56,9 @@ def history(path: Path, run: str, findings: Sequence[Finding], restricted_to: st
 
     Notes
     -----
-    A run that left no file is tried again by the next run. If that changes no verdict, the study keeps the history that it has: the
-    next run had nothing new to do, and what the run before has changed is still to be seen.
+    A run that left no file is tried again by the next run, and a study is judged again if its stored verdicts are lost. If that changes
+    no verdict, the study keeps the history that it has: there was nothing new to do, and what the run before has changed is still to be
+    seen.
     """
     try:
         with netCDF4.Dataset(path) as file:
@@ -63,7 +66,7 @@ def history(path: Path, run: str, findings: Sequence[Finding], restricted_to: st
             columns = {name: variable[...] for name, variable in file.variables.items()}
             found = [entry for solver, group in file.groups.items() for entry in read_findings(path.stem, solver, group)]
             changes = verdict_changes(found, findings)
-            if not changes and not kept["inputs"]:
+            if not changes and kept["inputs"] in ("", inputs):
                 return read_history(path.stem, kept, columns)
             before = kept.get(RUN) or kept["date_created"]
     except (OSError, RuntimeError, AttributeError, LookupError, TypeError, ValueError):

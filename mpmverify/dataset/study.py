@@ -81,7 +81,7 @@ def write_study(
     """
     make_way(path, "study")
     series = [finding for findings in judged.by_series.values() for finding in findings]
-    past = history(path, run, series, study.restricted_to)
+    past = history(path, run, inputs, series, study.restricted_to)
     tree = study_tree(study, levels, snapshots, judged, past, tier=tier, inputs=inputs)
     write_atomic(path, lambda temporary: write_tree(temporary, tree))
 
