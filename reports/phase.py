@@ -132,5 +132,5 @@ def motions(series: Series) -> Iterator[Balance]:
     found = motion(series.profile) if series.profile else None
     if found:
         ahead = {"phase error": np.degrees(found.phase)}
-        yield Balance("Phase ahead of the exact motion", "phase error", "degree", ahead, found.time)
+        yield Balance("Phase ahead of the exact motion, up to whole turns", "phase error", "degree", ahead, found.time)
         yield Balance("Amplitude error, relative", "amplitude error", "1", {"amplitude error": found.amplitude - 1}, found.time)
