@@ -1,5 +1,6 @@
 """Values of compiled code: to compute with a `Value` emits LLVM instructions."""
 
+from functools import cache
 from typing import Any
 
 from llvmlite import ir
@@ -27,6 +28,8 @@ KINDS: tuple[tuple[ir.Type, types.Type], ...] = (
     (VECTOR, LANES_TYPE),
 )
 """Kinds of values in order of promotion, each with its type in numba."""
+RANKS = {kind: rank for rank, (kind, _) in enumerate(KINDS)}
+"""Index of each kind in `KINDS`."""
 
 
 @register_model(LanesType)
@@ -129,7 +132,9 @@ def as_code(builder: ir.IRBuilder, x: Any, kind: ir.Type) -> ir.Value:
         If the kind cannot hold the value, or the value belongs to another function.
     """
     if not isinstance(x, Value):
-        return ir.Constant(kind, [float(x)] * LANES if kind == VECTOR else x)
+        return _in_lanes(float(x).hex()) if kind == VECTOR else ir.Constant(kind, x)
+    if x.builder is builder and x.code.type is kind:
+        return x.code
     if x.builder.function is not builder.function:
         raise TypeError(
             "a value of another function cannot be used here: pass it as an argument, or to `parallel_for` as shared"
@@ -143,16 +148,22 @@ def as_code(builder: ir.IRBuilder, x: Any, kind: ir.Type) -> ir.Value:
     return code
 
 
+@cache
+def _in_lanes(number: str) -> ir.Constant:
+    """Vector of a double in every lane, by its hexadecimal text, which tells the zeros apart; one object, so that it is written once."""
+    return ir.Constant(VECTOR, [float.fromhex(number)] * LANES)
+
+
 def promoted(builder: ir.IRBuilder, *items: Any) -> list[ir.Value]:
     """Code of numbers and values, all promoted to the highest of their kinds."""
-    kind = KINDS[max(rank(x) for x in items)][0]
+    kind = KINDS[max(map(rank, items))][0]
     return [as_code(builder, x, kind) for x in items]
 
 
 def rank(x: Any) -> int:
     """Index in `KINDS` of the kind of a number or a value."""
     if isinstance(x, Value):
-        return [kind for kind, _ in KINDS].index(x.code.type)
+        return RANKS[x.code.type]
     return 0 if isinstance(x, bool) else 1 if isinstance(x, int) else 2
 
 
