@@ -107,11 +107,30 @@ def missing_fields_and_histories_are_named_and_do_not_pass(c: ModuleType) -> Non
 
 def energy_that_increases_again_does_not_decay(c: ModuleType) -> None:
     def falling(*total: float) -> Solution:
-        return with_history(sampled(), kinetic_energy=np.array(total), strain_energy=np.ones(5), external_work=np.zeros(5))
+        moved = sampled()
+        strain = 10 + np.array(total) - moved.histories["kinetic_energy"]
+        return with_history(moved, strain_energy=strain, external_work=np.zeros(5))
 
     assert verdict_on(c.EnergyDecays(""), falling(5, 4, 3, 3, 1))[0] == "PASS"
     assert verdict_on(c.EnergyDecays(""), falling(5, 2, 3, 3, 1))[0] == "FAIL"
     assert verdict_on(c.EnergyDecays(""), falling(5, 4, 3, 3, 3.1))[0] == "FAIL"
+
+
+def energies_that_are_made_up_do_not_balance(c: ModuleType) -> None:
+    """Kinetic energies of another motion, and losses that are called external work of a body without loads."""
+    sound = sampled()
+    kinetic = sound.histories["kinetic_energy"]
+    balanced = {"strain_energy": 10 - kinetic, "external_work": np.zeros(5)}
+    lossy = {"strain_energy": 10 - kinetic - np.linspace(0, 1, 5), "external_work": -np.linspace(0, 1, 5)}
+    for criterion in (c.EnergyConserved(""), c.EnergyDrift(1.8, "")):
+        assert verdict_on(criterion, with_history(sound, **balanced))[0] == "PASS"
+        assert verdict_on(criterion, with_history(sound, **lossy))[0] in ("FAIL", "INCONCLUSIVE")
+    for criterion in (c.EnergyConserved(""), c.EnergyDrift(1.8, ""), c.EnergyDecays("")):
+        assert verdict_on(criterion, with_history(sound, **balanced, kinetic_energy=9 * kinetic))[0] == "FAIL"
+        halved = {"kinetic_energy": 2 * kinetic, "strain_energy": kinetic.max() * 2.5 - 2 * kinetic}
+        assert verdict_on(criterion, with_history(sound, **balanced | halved))[0] == "FAIL", "kinetic energies without the half"
+        constant = with_history(sound, kinetic_energy=10 + 0 * kinetic, strain_energy=0 * kinetic, external_work=0 * kinetic)
+        assert verdict_on(criterion, constant)[0] == "FAIL"
 
 
 def a_stall_has_a_known_size(c: ModuleType) -> None:

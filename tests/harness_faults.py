@@ -20,6 +20,7 @@ from convergence_properties import (
 from criteria_properties import (
     a_stall_has_a_known_size,
     a_zero_momentum_with_zero_impulse_is_detected,
+    energies_that_are_made_up_do_not_balance,
     energy_that_increases_again_does_not_decay,
     histories_are_sums_of_the_fields,
     missing_fields_and_histories_are_named_and_do_not_pass,
@@ -61,6 +62,7 @@ PROPERTIES: dict[str, tuple[Callable[[ModuleType], None], ...]] = {
         totals_are_exact_at_every_step,
         missing_fields_and_histories_are_named_and_do_not_pass,
         energy_that_increases_again_does_not_decay,
+        energies_that_are_made_up_do_not_balance,
         a_stall_has_a_known_size,
         unstable_runs_must_be_reported_as_unstable,
     ),
@@ -89,7 +91,7 @@ ESTIMATE, PRIOR = "convergence/estimate.py", "STRAIGHT, FURTHER_TERM, ALTERNATIN
 GCI, LEVELS, REFERENCE = "convergence/gci.py", "convergence/levels.py", "convergence/reference.py"
 FIT_LOGARITHMS = "x, y = np.log(h), np.log(error)\n    dx"
 STUDENT = "student_quantile(len(h) - 2, confidence)"
-SUMS, HISTORIES, OUTCOMES = "criteria/field_sums.py", "criteria/histories.py", "criteria/outcomes.py"
+SUMS, HISTORIES, ENERGIES, OUTCOMES = (f"criteria/{name}.py" for name in ("field_sums", "histories", "energies", "outcomes"))
 ERRORS = "criteria/errors.py"
 NORMS, EVIDENCE, VERDICT = "criteria/norms.py", "criteria/evidence.py", "convergence/verdict.py"
 FINDINGS, BASELINE = "judgement/findings.py", "judgement/baseline.py"
@@ -185,8 +187,11 @@ FAULTS = {
     "missing field not named": Fault(SUMS, "if _lacks(stock, what) in evidence.metrics:", "if False:"),
     "missing history skipped": Fault(SUMS, "for stock in self.stocks}", "for stock in self.stocks if _defect(stock) in evidence.metrics}"),
     "first history alone": Fault(SUMS, "np.concatenate(list(defects.values()))", "list(defects.values())[0]"),
-    "drift for rise": Fault(HISTORIES, "np.minimum.accumulate(total)", "total[0]"),
-    "last rise alone": Fault(HISTORIES, "np.minimum.accumulate(total)", "np.minimum(total, total[-1])"),
+    "drift for rise": Fault(ENERGIES, "np.minimum.accumulate(total)", "total[0]"),
+    "last rise alone": Fault(ENERGIES, "np.minimum.accumulate(total)", "np.minimum(total, total[-1])"),
+    "kinetic energies of any motion": Fault(ENERGIES, "if apart > FAR", "if False"),
+    "kinetic energy without the half": Fault(ENERGIES, "sums = 0.5 * ", "sums = "),
+    "work of a body without loads": Fault(ENERGIES, " if _loaded(problem) else energy", ""),
     "scale of the net momentum alone": Fault(HISTORIES, "defect, max(scale, moved))", "defect, scale)"),
     "speed of what moves for its momentum": Fault(HISTORIES, "return float(density * np.max(", "return float(np.max("),
     "total at the last step alone": Fault(

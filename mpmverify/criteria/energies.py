@@ -75,7 +75,7 @@ def kinetic_apart(solution: Solution, setting: Setting, scale: float) -> Mapping
         return {}
     sums = 0.5 * material.density * (np.sum(velocity**2, axis=2) @ solution.weight[0])
     stored = np.interp(solution.time, solution.histories["time"], solution.histories["kinetic_energy"])
-    apart = float(np.max(np.abs(sums - stored))) / scale
+    apart = float(np.max(np.abs(sums - stored))) / scale if np.all(np.isfinite(sums)) else np.inf
     return {OF_POINTS: apart} if apart > FAR else {}
 
 
