@@ -27,7 +27,7 @@ from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import Level, SeriesId
 from mpmverify.dataset import provenance
 from mpmverify.dataset.criteria import read_criteria, with_criteria
-from mpmverify.dataset.files import check_ours, damaged, make_way
+from mpmverify.dataset.files import SCHEMA, check_ours, damaged, make_way
 from mpmverify.dataset.findings import lacking_attribute, read_findings, read_lacking, with_findings
 from mpmverify.dataset.fits import with_fits
 from mpmverify.dataset.history import History, history, with_history
@@ -35,7 +35,7 @@ from mpmverify.dataset.levels import level_table, read_levels
 from mpmverify.dataset.snapshots import Snapshots, snapshot_groups
 from mpmverify.dataset.sources import with_sources
 from mpmverify.dataset.statement import statement
-from mpmverify.dataset.tree import CHECKSUM, checksum, text, write_tree
+from mpmverify.dataset.tree import CHECKSUM, decoded, read_groups, text, write_tree
 from mpmverify.errors import MpmverifyError, ResultsError
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.judging import Judged
@@ -174,14 +174,17 @@ def read_study(path: Path) -> StoredStudy:
     UsageError
         If a declared criterion is unknown.
     """
-    tree = read_tree(path)
+    groups = _read_groups(path)
     levels: list[Level] = []
     declared: dict[SeriesId, tuple[Criterion, ...]] = {}
     with parsing(path):
-        for solver, dataset in solvers(tree):
-            levels += read_levels(solver, dataset)
-            declared |= read_criteria(solver, dataset)
-    return StoredStudy(tree.attrs["id"], tree.attrs, tuple(levels), declared)
+        for place, group in groups.items():
+            if place.count("/") == 1 and place != "/":
+                solver, dataset = place.removeprefix("/"), decoded(group)
+                levels += read_levels(solver, dataset)
+                declared |= read_criteria(solver, dataset)
+    attributes = groups["/"].attrs
+    return StoredStudy(attributes["id"], attributes, tuple(levels), declared)
 
 
 def solvers(tree: xr.DataTree) -> Iterator[tuple[str, xr.Dataset]]:
@@ -206,19 +209,31 @@ def read_tree(path: Path) -> xr.DataTree:
     ResultsError
         If the file is missing, unreadable, damaged, not an mpmverify study, or a study with another name than the file.
     """
-    study = check_ours(path, "study").get("id")
-    if study != path.stem:
-        raise ResultsError(f"'{path}' contains the study {study!r}: rename it to '{study}.nc', or move it away")
+    groups = _read_groups(path)
+    try:
+        return xr.DataTree.from_dict({place: decoded(group) for place, group in groups.items()})
+    except (ValueError, TypeError, LookupError) as error:
+        raise damaged(path) from error
+
+
+def _read_groups(path: Path) -> dict[str, xr.Dataset]:
+    """Return the groups of a study's file as they are stored, after all checks; the root's path is "/"."""
     try:
         with netCDF4.Dataset(path) as file:
-            sound = getattr(file, CHECKSUM, None) == checksum(file)
-        with xr.open_datatree(path, engine="netcdf4") as opened:
-            tree = opened.load()
+            digest, groups = read_groups(file)
     except (OSError, RuntimeError, ValueError, AttributeError, IndexError) as error:
+        check_ours(path, "study")
         raise damaged(path) from error
-    if not sound:
+    stated = groups["/"].attrs
+    if stated.get("mpmverify_kind") != "study" or stated.get("mpmverify_schema") != SCHEMA:
+        check_ours(path, "study")
+    if stated.get("id") != path.stem:
+        raise ResultsError(
+            f"'{path}' contains the study {stated.get('id')!r}: rename it to '{stated.get('id')}.nc', or move it away"
+        )
+    if stated.get(CHECKSUM) != digest:
         raise damaged(path)
-    return tree
+    return groups
 
 
 @contextmanager
