@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -115,7 +116,7 @@ class Evidence:
         default_factory=dict, init=False, repr=False, compare=False
     )
 
-    @property
+    @cached_property
     def axis(self) -> axes.Axis:
         """Refinement axis of the levels."""
         return axes.axis(self.h, self.dt, self.ppc)

@@ -76,7 +76,7 @@ def logarithm(e: Tensor) -> Tensor:
 
 def dot(A: Tensor, B: Tensor) -> Tensor:
     """Return A_ik B_kj of tensors (dim, dim, ...)."""
-    return np.einsum("ik...,kj...->ij...", A, B)
+    return sum(A[:, k, None] * B[k] for k in range(len(B)))
 
 
 def trace(A: Tensor) -> Any:
@@ -147,7 +147,7 @@ KIRCHHOFF: Mapping[type[LinearElastic], Callable[..., Tensor]] = {
 def kirchhoff_stress(law: LinearElastic, H: Tensor) -> tuple[Any, Tensor]:
     """Return J - 1 and the Kirchhoff stress [Pa] of a displacement gradient (dim, dim, ...)."""
     change = volume_change(np.moveaxis(H, (0, 1), (-2, -1)))
-    strain = H + np.swapaxes(H, 0, 1) + np.einsum("ik...,jk...->ij...", H, H)  # b - I, without cancellation
+    strain = H + np.swapaxes(H, 0, 1) + dot(H, np.swapaxes(H, 0, 1))  # b - I, without cancellation
     return change, KIRCHHOFF[type(law)](law, change, strain)
 
 
@@ -205,6 +205,6 @@ def body_force(law: LinearElastic, gradient: Array, second: Array, acceleration:
     for j, slope in enumerate(along):
         moved = H + 1j * STEP * slope
         change, tau = kirchhoff_stress(law, moved)
-        column = np.einsum("ik...,k...->i...", tau, cofactor(shifted(1.0, moved))[:, j]) / (1 + change)
+        column = sum(tau[:, k] * normal for k, normal in enumerate(cofactor(shifted(1.0, moved))[:, j])) / (1 + change)
         divergence += column.imag / STEP
     return acceleration - np.moveaxis(divergence, 0, -1) / law.density

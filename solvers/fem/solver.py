@@ -221,9 +221,11 @@ class FiniteElement:
             return np.ascontiguousarray(b * (law.density * weight) @ values), dt * float(np.abs(b).max(axis=1).sum())
 
         bar = (Law(lame, shear, linear), mesh, ends, state, record)
-        advance.compile(tuple(map(numba.typeof, (0, 1, dt, beta, math.inf, start, np.zeros((1, n)), *bar))))
+        types = tuple(map(numba.typeof, (0, 1, dt, beta, math.inf, start, np.zeros((1, n)), *bar)))
+        advance.compile(types)
+        march = advance.get_overload(types)  # does not find out the types at each call
         began = time.perf_counter()
-        made, code = advance(0, 1, 0.0, beta, math.inf, start, loads(0, 1)[0], *bar)
+        made, code = march(0, 1, 0.0, beta, math.inf, start, loads(0, 1)[0], *bar)
         # Bound on the velocity: from the initial energy, from round-off (a pure translation too has strains by round-off), and
         # from the waves that the ends send, which add up at every reflection.
         inertia, reflections = law.density * problem.lengths[0], 1 + law.wave_speed * problem.end_time / problem.lengths[0]
@@ -234,7 +236,7 @@ class FiniteElement:
             body, gained = loads(made, last)
             amplitude += gained
             limit = GROWTH * inertia * amplitude * amplitude / 2
-            made, code = advance(made, last, dt, beta, limit, bands, body, *bar)
+            made, code = march(made, last, dt, beta, limit, bands, body, *bar)
         seconds = time.perf_counter() - began
 
         detail = f"at step {made} of {steps}" + (": an element turned inside out (F <= 0)" if code == INVERTED else "")

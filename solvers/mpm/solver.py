@@ -23,7 +23,7 @@ from mpmverify.problem import (
 )
 from mpmverify.solution import Solution, Work
 
-from ..tracing import start_threads
+from ..tracing import entry, start_threads
 from . import formal_orders, loop, passes
 from .acceptance import check
 from .affine import AFFINE
@@ -206,7 +206,9 @@ class MaterialPoint:
         if count >= MANY:
             start_threads()  # a loop from the disk cache takes them for granted
             march = loop.march_in_threads
-        march(*state, *record, np.zeros((0, 0, 0)), 0, 0, 0)  # compiles, takes no pass
+        at_rest = (*state, *record, np.zeros((0, 0, 0)), 0, 0, 0)
+        advance = entry(march, at_rest)
+        advance(*at_rest)  # takes no pass
 
         started = time.perf_counter()
         points = node_positions(axes) if self.body_force_at == "nodes" else reference
@@ -219,7 +221,7 @@ class MaterialPoint:
                 points = np.empty_like(reference)
                 points[particles.place] = particles.position
             body = tabulate_body_force(problem.body_force, points, times[done:end])
-            code, done, kept = march(*state, *record, body, done, end, kept)
+            code, done, kept = advance(*state, *record, body, done, end, kept)
         seconds = time.perf_counter() - started
 
         ended = End(code, done, steps, dt, reference[particles.place], particles.position, state[3])

@@ -4,7 +4,6 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
 from mpmverify.errors import UsageError
@@ -26,6 +25,7 @@ from mpmverify.problem import (
 )
 from mpmverify.solution import Outcome, Solution, Status, Work
 
+from ..tracing import entry
 from .kernel import march
 
 MARGIN = 10.0
@@ -207,6 +207,9 @@ class TaylorGalerkin:
         block = max(1, min(steps, BLOCK // (2 * elements)))
         source = np.zeros((2 * block, elements))
         made, failed, seconds, largest_source = 0, False, 0.0, 0.0
+        history = total, square, gain, work, ends
+        fixed = U, form, faces, source, self.passes, mass, h, dt
+        advance = entry(march, (*fixed, 0, 0, bound * instants, row, fields, history))
         while made < steps and not failed:
             end = min(made + block, steps)
             if problem.body_force is not None:
@@ -215,11 +218,8 @@ class TaylorGalerkin:
                 source[: times.size] = np.reshape(problem.body_force(centres, times), (times.size, elements))
                 largest_source = max(largest_source, float(np.max(np.abs(source))))
             limit = MARGIN * (bound + weight @ load * largest_source * instants)
-            history = total, square, gain, work, ends
-            arguments = (U, form, faces, source, self.passes, mass, h, dt, made, end - made, limit, row, fields, history)
-            march.compile(numba.typeof(arguments).types)
             start = time.perf_counter()
-            made, amplitude = march(*arguments)
+            made, amplitude = advance(*fixed, made, end - made, limit, row, fields, history)
             seconds += time.perf_counter() - start
             failed = made < end
 

@@ -7,7 +7,7 @@ particles, grids, tensors or laws. The handbook's page `tracing` tells how a tra
 """
 
 from .arrays import Array, Consecutive, Pointer, Table
-from .compilation import ARITHMETIC, WITHOUT_ENTRY, checksum, compiled
+from .compilation import ARITHMETIC, WITHOUT_ENTRY, checksum, compiled, entry
 from .control import Variable, cond, for_range, for_strides, switch, when, while_loop
 from .elementary import acos, asinh, atanh, cos, exp, expm1, log, power
 from .lanes import (
@@ -58,6 +58,7 @@ __all__ = [
     "cond",
     "cos",
     "count_leading",
+    "entry",
     "equal",
     "exp",
     "expm1",

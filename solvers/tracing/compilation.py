@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
-from numba import njit
+from numba import njit, typeof
 
 ARITHMETIC: dict[str, Any] = {"fastmath": {"contract"}, "error_model": "numpy"}
 """Options of `numba.njit`: products and sums may be fused, and a division by zero is no error."""
@@ -47,3 +47,14 @@ def compiled(function: Callable[..., Any], names: dict[str, object], name: str, 
     copy = types.FunctionType(function.__code__, function.__globals__ | names, name, function.__defaults__)
     copy.__module__, copy.__qualname__ = function.__module__, name
     return njit(**ARITHMETIC, **cast(dict[str, Any], options))(copy)
+
+
+def entry(function: Any, arguments: tuple[Any, ...]) -> Any:
+    """Compile a jitted function for the types of some arguments, and return what numba calls then.
+
+    A call of the result does not look at the types again: they must be the same. Numba finds out the types of named tuples in Python, a
+    millisecond at each call of a function that takes several.
+    """
+    types = typeof(arguments).types
+    function.compile(types)
+    return function.get_overload(types)
