@@ -35,7 +35,7 @@ from mpmverify.dataset.levels import level_table, read_levels
 from mpmverify.dataset.snapshots import Snapshots, snapshot_groups
 from mpmverify.dataset.sources import with_sources
 from mpmverify.dataset.statement import statement
-from mpmverify.dataset.tree import CHECKSUM, decoded, read_groups, text, write_tree
+from mpmverify.dataset.tree import CHECKSUM, Group, decoded, read_groups, text, write_tree
 from mpmverify.errors import MpmverifyError, ResultsError
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.judging import Judged
@@ -183,7 +183,7 @@ def read_study(path: Path) -> StoredStudy:
                 solver, dataset = place.removeprefix("/"), decoded(group)
                 levels += read_levels(solver, dataset)
                 declared |= read_criteria(solver, dataset)
-    attributes = groups["/"].attrs
+    attributes = groups["/"].attributes
     return StoredStudy(attributes["id"], attributes, tuple(levels), declared)
 
 
@@ -216,7 +216,7 @@ def read_tree(path: Path) -> xr.DataTree:
         raise damaged(path) from error
 
 
-def _read_groups(path: Path) -> dict[str, xr.Dataset]:
+def _read_groups(path: Path) -> dict[str, Group]:
     """Return the groups of a study's file as they are stored, after all checks; the root's path is "/"."""
     try:
         with netCDF4.Dataset(path) as file:
@@ -224,7 +224,7 @@ def _read_groups(path: Path) -> dict[str, xr.Dataset]:
     except (OSError, RuntimeError, ValueError, AttributeError, IndexError) as error:
         check_ours(path, "study")
         raise damaged(path) from error
-    stated = groups["/"].attrs
+    stated = groups["/"].attributes
     if stated.get("mpmverify_kind") != "study" or stated.get("mpmverify_schema") != SCHEMA:
         check_ours(path, "study")
     if stated.get("id") != path.stem:

@@ -10,7 +10,7 @@ writer alternates and takes ten times as long for a tree of fifty groups.
 import hashlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import netCDF4
 import numpy as np
@@ -34,19 +34,25 @@ def write_tree(path: Path, tree: xr.DataTree) -> None:
         file.setncattr(CHECKSUM, read_groups(file)[0])
 
 
-def read_groups(file: netCDF4.Dataset) -> tuple[str, dict[str, xr.Dataset]]:
+class Group(NamedTuple):
+    """A group of a file as it is stored: dimensions, values and attributes of each variable, and the attributes of the group."""
+
+    variables: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]
+    attributes: dict[str, Any]
+
+
+def read_groups(file: netCDF4.Dataset) -> tuple[str, dict[str, Group]]:
     """Read all that a file holds, once.
 
     Returns
     -------
     str
         Digest of the names, sizes, values and attributes in every group.
-    dict of str to xr.Dataset
-        Groups by path, as they are stored: `decoded` gives one its texts and coordinates. `xarray.open_datatree` opens every group anew,
-        and takes five times as long.
+    dict of str to Group
+        Groups by path. `xarray.open_datatree` opens every group anew, and takes longer.
     """
     found = hashlib.sha256()
-    groups: dict[str, xr.Dataset] = {}
+    groups: dict[str, Group] = {}
 
     def attributes(owner: netCDF4.Dataset | netCDF4.Variable) -> dict[str, Any]:
         stated = {name: owner.getncattr(name) for name in owner.ncattrs()}
@@ -56,15 +62,15 @@ def read_groups(file: netCDF4.Dataset) -> tuple[str, dict[str, xr.Dataset]]:
 
     def add(group: netCDF4.Dataset) -> None:
         found.update(repr((group.path, [(name, len(size)) for name, size in group.dimensions.items()])).encode())
-        mine, variables = attributes(group), {}
+        stored = Group({}, attributes(group))
         for name, variable in group.variables.items():
             stated = attributes(variable)
             variable.set_auto_maskandscale(False)
             variable.set_auto_chartostring(False)
             values = np.ascontiguousarray(variable[...]).reshape(variable.shape)
             found.update(repr((name, variable.dimensions)).encode() + values.tobytes())
-            variables[name] = xr.Variable(variable.dimensions, values, stated)
-        groups[group.path] = xr.Dataset(variables, attrs=mine)
+            stored.variables[name] = variable.dimensions, values, stated
+        groups[group.path] = stored
         for inner in group.groups.values():
             add(inner)
 
@@ -72,9 +78,10 @@ def read_groups(file: netCDF4.Dataset) -> tuple[str, dict[str, xr.Dataset]]:
     return found.hexdigest(), groups
 
 
-def decoded(group: xr.Dataset) -> xr.Dataset:
-    """Return a group that was read as it was before it was written: with texts and coordinates."""
-    return xr.decode_cf(group).load()
+def decoded(group: Group) -> xr.Dataset:
+    """Return a stored group as it was before it was written: with texts and coordinates."""
+    variables = {name: xr.Variable(*stored) for name, stored in group.variables.items()}
+    return xr.decode_cf(xr.Dataset(variables, attrs=group.attributes)).load()
 
 
 def _declare(group: netCDF4.Dataset, dataset: xr.Dataset) -> list[tuple[netCDF4.Variable, np.ndarray]]:
