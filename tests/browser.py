@@ -1,18 +1,23 @@
-"""Pages in a headless Chromium: a page that is served acts on itself, as a test says, and reports what it found."""
+"""Pages in a headless Chromium: a page that is served acts on itself, as a test says, and reports what it found. And their links."""
 
 import functools
 import http.server
+import importlib.util
 import json
 import os
 import queue
+import re
 import shutil
 import subprocess
 import threading
+from html import unescape
 from pathlib import Path
+from urllib.parse import unquote
 
 from mpmverify.reports.pdf import BROWSERS
 
 BROWSER = next(filter(None, map(shutil.which, BROWSERS)), None)
+AXE = importlib.util.find_spec("axe_playwright_python")
 WATCH = """<script>
 const faults = [];
 let graphics = false;
@@ -27,6 +32,17 @@ HTMLCanvasElement.prototype.getContext = function (kind, choices) {  // emulated
 WebGL2RenderingContext.prototype.getExtension = () => null;  // no page can tell then that they are emulated
 console.error = (...parts) => faults.push(parts.join(" "));
 </script>"""
+
+
+CHECK = """
+  for (const folded of [...document.querySelectorAll("details")].slice(0, 12)) folded.open = true;
+  const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+  const all = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
+  const runOnly = dark ? { type: "rule", values: ["color-contrast"] } : all;  // a dark ground changes colours alone
+  const { violations } = await axe.run(document, { runOnly, resultTypes: ["violations"] });
+  const serious = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
+  return { dark, serious: serious.map(({ id, nodes }) => `${id}: ${nodes[0].html.slice(0, 200)} (${nodes.length})`) };
+"""
 
 
 class Desk(http.server.SimpleHTTPRequestHandler):
@@ -103,3 +119,35 @@ addEventListener("load", async () => {{
             browser.wait(timeout=20)
             server.shutdown()
             place.unlink()
+
+
+def axe_finds(page: Path, report: Path, scheme: str, profile: Path) -> tuple[list[str], list[str]]:
+    """Errors of the scripts of a page, and what axe-core finds serious, on a "light" or a "dark" ground."""
+    code = Path(AXE.submodule_search_locations[0], "axe.min.js").read_text(encoding="utf-8")
+    dark = ["--force-dark-mode", "--blink-settings=preferredColorScheme=0"] if scheme == "dark" else []
+    found = acted(page, report, code + CHECK, profile, *dark)
+    assert found["dark"] == (scheme == "dark")
+    return found["faults"], found["serious"]
+
+
+def broken_links(page: Path, report: Path) -> list[str]:
+    """Links of a page that leave the results, or lead nowhere."""
+    broken = []
+    for href in re.findall(r'(?:href|src)="([^"]*)"', page.read_text(encoding="utf-8")):
+        target, _, anchor = unescape(href).partition("#")
+        if re.match(r"[a-z]+:", target):
+            if not target.startswith(("https://", "http://", "data:", "blob:")):
+                broken.append(href)
+            continue
+        found = (page.parent / unquote(target)).resolve() if target else page
+        leads = found.is_relative_to(report.resolve().parent) and found.exists()
+        if leads and anchor and found.suffix == ".html" and "=" not in anchor:
+            leads = unquote(anchor) in _identifiers(found)
+        if not leads:
+            broken.append(href)
+    return broken
+
+
+@functools.cache
+def _identifiers(page: Path) -> set[str]:
+    return {unescape(name) for name in re.findall(r'\bid="([^"]*)"', page.read_text(encoding="utf-8"))}

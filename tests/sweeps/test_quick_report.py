@@ -3,15 +3,11 @@
 It needs the results of `mpmverify run` in the folder `results` of the checkout, or the folder of a report in `MPMVERIFY_REPORT`.
 """
 
-import importlib.util
 import os
-import re
-from html import unescape
 from pathlib import Path
-from urllib.parse import unquote
 
 import pytest
-from browser import BROWSER, acted
+from browser import AXE, BROWSER, acted, axe_finds, broken_links
 
 TESTS = Path(__file__).parent.parent
 REPORT = Path(os.environ.get("MPMVERIFY_REPORT", TESTS.parent / "results" / "report"))
@@ -32,7 +28,6 @@ KINDS = (
 )
 SAMPLE = [page for page in SEEN if page.removesuffix(".html") in KINDS or page == SOLVERS[0]]
 """Pages that are opened in a narrow window, too, and on a dark ground."""
-AXE = importlib.util.find_spec("axe_playwright_python")
 MOST_CHARTS = 24
 """Number of charts of a page that are drawn."""
 OPEN = f"""
@@ -49,15 +44,6 @@ OPEN = f"""
   const wide = document.documentElement.scrollWidth - innerWidth;
   return {{ wide, width: innerWidth }};
 """
-CHECK = """
-  for (const folded of [...document.querySelectorAll("details")].slice(0, 12)) folded.open = true;
-  const rules = { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"], resultTypes: ["violations"] };
-  const { violations } = await axe.run(document, rules);
-  const serious = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
-  const dark = matchMedia("(prefers-color-scheme: dark)").matches;
-  return { dark, serious: serious.map(({ id, nodes }) => `${id}: ${nodes[0].html.slice(0, 200)} (${nodes.length})`) };
-"""
-
 pytestmark = pytest.mark.skipif(not PAGES, reason="needs the report of `mpmverify run`")
 browsed = pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
 
@@ -74,29 +60,9 @@ def test_a_page_opens_without_errors(page, window, tmp_path):
 @pytest.mark.skipif(AXE is None, reason="needs axe-core: pip install --no-deps axe-playwright-python")
 @pytest.mark.parametrize(("page", "scheme"), [*((page, "light") for page in SEEN), *((page, "dark") for page in SAMPLE)])
 def test_axe_finds_nothing_serious(page, scheme, tmp_path):
-    code = Path(AXE.submodule_search_locations[0], "axe.min.js").read_text(encoding="utf-8")
-    dark = ["--force-dark-mode", "--blink-settings=preferredColorScheme=0"] if scheme == "dark" else []
-    found = acted(REPORT / page, REPORT, code + CHECK, tmp_path, *dark)
-    assert (found["faults"], found["serious"]) == ([], [])
-    assert found["dark"] == (scheme == "dark")
+    assert axe_finds(REPORT / page, REPORT, scheme, tmp_path) == ([], [])
 
 
 @pytest.mark.parametrize("page", PAGES)
 def test_every_link_leads_somewhere(page):
-    place = REPORT / page
-    for href in re.findall(r'(?:href|src)="([^"]*)"', place.read_text(encoding="utf-8")):
-        target, _, anchor = unescape(href).partition("#")
-        if re.match(r"[a-z]+:", target):
-            assert target.startswith(("https://", "http://", "data:", "blob:")), href
-            continue
-        found = (place.parent / unquote(target)).resolve() if target else place
-        assert found.is_relative_to(REPORT.resolve().parent), f"{href} leaves the results"
-        assert found.exists(), f"{href} leads nowhere"
-        if anchor and found.suffix == ".html" and "=" not in anchor:
-            assert unquote(anchor) in identifiers(found), f"{href} has no such place"
-
-
-def identifiers(page: Path, known: dict[Path, set[str]] = {}) -> set[str]:  # noqa: B006 - kept for the next page
-    if page not in known:
-        known[page] = {unescape(name) for name in re.findall(r'\bid="([^"]*)"', page.read_text(encoding="utf-8"))}
-    return known[page]
+    assert broken_links(REPORT / page, REPORT) == []

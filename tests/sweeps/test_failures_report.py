@@ -1,0 +1,35 @@
+"""A report with failures of every kind and hostile names: no link of it is broken, and axe-core finds nothing serious in light or dark."""
+
+import pytest
+from browser import AXE, BROWSER, axe_finds, broken_links
+from sample_study import SELF_TEST, store, study
+
+from mpmverify.dataset.files import Results
+from mpmverify.dataset.selftest import write_selftest
+from mpmverify.reports import render
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    results = Results(tmp_path_factory.mktemp("failures"))
+    store(results, study())
+    store(results, study("second", ("good",)))
+    write_selftest(results.selftest, SELF_TEST)
+    render(results)
+    return results.report
+
+
+def test_every_link_leads_somewhere(report):
+    pages = sorted(report.rglob("*.html"))
+    assert len(pages) > 20
+    assert {page.name: broken_links(page, report) for page in pages} == {page.name: [] for page in pages}
+
+
+@pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+@pytest.mark.skipif(AXE is None, reason="needs axe-core: pip install --no-deps axe-playwright-python")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(
+    "name", ["index", "sample", "solvers", "solver-crashed", "solver-good", "compare", "problems", "trust"]
+)
+def test_axe_finds_nothing_serious(report, tmp_path, name, scheme):
+    assert axe_finds(report / f"{name}.html", report, scheme, tmp_path) == ([], [])
