@@ -1,5 +1,7 @@
 """Every kind of page in a browser: no error, no missing file, charts are drawn, filters and the address work."""
 
+import dataclasses
+
 import pytest
 from browser import BROWSER, acted
 from sample_study import SELF_TEST, store, study
@@ -86,6 +88,18 @@ def test_a_page_opens_without_errors_and_draws_its_charts(report, tmp_path, name
     assert found["charts"] > 0 or name != "sample"
     # A headless window is not narrower than 500 pixels on some systems: what counts is that nothing leaves it.
     assert found["wide"] <= 0, "the page can be scrolled sideways"
+
+
+def test_long_and_foreign_texts_are_shown_and_widen_no_page(tmp_path):
+    texts = {"title": "\U0001f30a \u202egpj.exe " + "t" * 10_000, "summary": "w" * 10_000 + " \u05d0\u05d1\u05d2 \U0001f9ca"}
+    results = Results(tmp_path / "results")
+    store(results, dataclasses.replace(study("wild", ("good", "\U0001f30a")), **texts))
+    render(results)
+    for name in ("index", "wild", "solvers", "problems", "compare"):
+        found = acted(results.report / f"{name}.html", results.report, OPEN, tmp_path / name, window="390,800")
+        assert (found["faults"], found["missing"], found["wide"] <= 0) == ([], [], True), name
+    page = (results.report / "wild.html").read_text(encoding="utf-8")
+    assert all(text in page for text in texts.values())
 
 
 def test_the_filters_choose_cards_and_the_address_restores_them(report, tmp_path):
