@@ -121,13 +121,29 @@ addEventListener("load", async () => {{
             place.unlink()
 
 
-def axe_finds(page: Path, report: Path, scheme: str, profile: Path) -> tuple[list[str], list[str]]:
-    """Errors of the scripts of a page, and what axe-core finds serious, on a "light" or a "dark" ground."""
-    code = Path(AXE.submodule_search_locations[0], "axe.min.js").read_text(encoding="utf-8")
+def examined(page: Path, report: Path, scheme: str, profile: Path, act: str = "return {};", window: str = "1280,900") -> dict:
+    """Look at a page by axe-core, where it is installed, and act on it then.
+
+    Parameters
+    ----------
+    page, report, act, profile, window
+        As `acted` takes them.
+    scheme : str
+        "light" or "dark", the ground of the page.
+
+    Returns
+    -------
+    dict
+        What `acted` returns, with what axe-core finds serious as `serious`.
+    """
+    code, look = "", "return { serious: [] };"
+    if AXE:
+        code, look = Path(AXE.submodule_search_locations[0], "axe.min.js").read_text(encoding="utf-8"), CHECK
+    both = f"{code}; const look = async () => {{ {look} }}; const act = async () => {{ {act} }};"
     dark = ["--force-dark-mode", "--blink-settings=preferredColorScheme=0"] if scheme == "dark" else []
-    found = acted(page, report, code + CHECK, profile, *dark)
-    assert found["dark"] == (scheme == "dark")
-    return found["faults"], found["serious"]
+    found = acted(page, report, both + "return { ...(await look()), ...(await act()) };", profile, *dark, window=window)
+    assert found.get("dark", scheme == "dark") == (scheme == "dark")
+    return found
 
 
 def broken_links(page: Path, report: Path) -> list[str]:

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 import pytest
-from browser import AXE, BROWSER, acted, axe_finds, broken_links
+from browser import AXE, BROWSER, broken_links, examined
 
 TESTS = Path(__file__).parent.parent
 REPORT = Path(os.environ.get("MPMVERIFY_REPORT", TESTS.parent / "results" / "report"))
@@ -44,23 +44,21 @@ OPEN = f"""
   const wide = document.documentElement.scrollWidth - innerWidth;
   return {{ wide, width: innerWidth }};
 """
+
 pytestmark = pytest.mark.skipif(not PAGES, reason="needs the report of `mpmverify run`")
-browsed = pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
 
 
-@browsed
-@pytest.mark.parametrize(("page", "window"), [*((page, "1280,900") for page in SEEN), *((page, "500,900") for page in SAMPLE)])
-def test_a_page_opens_without_errors(page, window, tmp_path):
-    found = acted(REPORT / page, REPORT, OPEN, tmp_path, window=window)
-    assert (found["faults"], found["missing"]) == ([], [])
+@pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+@pytest.mark.parametrize(
+    ("page", "scheme", "window"),
+    [*((page, "light", "1280,900") for page in SEEN), *((page, "dark", "500,900") for page in SAMPLE)],
+)
+def test_a_page_opens_without_errors_and_axe_finds_nothing_serious(page, scheme, window, tmp_path):
+    found = examined(REPORT / page, REPORT, scheme, tmp_path, OPEN, window)
+    assert (found["faults"], found["missing"], found["serious"]) == ([], [], [])
     assert found["wide"] <= 0, "the page can be scrolled sideways"
-
-
-@browsed
-@pytest.mark.skipif(AXE is None, reason="needs axe-core: pip install --no-deps axe-playwright-python")
-@pytest.mark.parametrize(("page", "scheme"), [*((page, "light") for page in SEEN), *((page, "dark") for page in SAMPLE)])
-def test_axe_finds_nothing_serious(page, scheme, tmp_path):
-    assert axe_finds(REPORT / page, REPORT, scheme, tmp_path) == ([], [])
+    if AXE is None:
+        pytest.skip("opened, and not looked at by axe-core: pip install --no-deps axe-playwright-python")
 
 
 @pytest.mark.parametrize("page", PAGES)
