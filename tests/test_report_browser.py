@@ -4,10 +4,9 @@ import dataclasses
 
 import pytest
 from browser import BROWSER, acted
-from sample_study import SELF_TEST, store, study
+from sample_study import rendered, store, study
 
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.selftest import write_selftest
 from mpmverify.reports import render
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
@@ -70,12 +69,7 @@ VIEWS = """
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     """A report with failures of every kind, a self-test, and two studies."""
-    results = Results(tmp_path_factory.mktemp("browsed"))
-    store(results, study())
-    store(results, study("second", ("good",)))
-    write_selftest(results.selftest, SELF_TEST)
-    render(results)
-    return results.report
+    return rendered(tmp_path_factory.mktemp("browsed"))[0].report
 
 
 @pytest.mark.parametrize("window", ["1280,900", "390,800"])

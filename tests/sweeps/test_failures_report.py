@@ -2,21 +2,13 @@
 
 import pytest
 from browser import AXE, BROWSER, broken_links, examined
-from sample_study import SELF_TEST, store, study
-
-from mpmverify.dataset.files import Results
-from mpmverify.dataset.selftest import write_selftest
-from mpmverify.reports import render
+from sample_study import rendered
 
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
-    results = Results(tmp_path_factory.mktemp("failures"))
-    store(results, study())
-    store(results, study("second", ("good",)))
-    write_selftest(results.selftest, SELF_TEST)
-    render(results)
-    return results.report
+    """A report with failures of every kind, a self-test, and two studies."""
+    return rendered(tmp_path_factory.mktemp("failures"))[0].report
 
 
 def test_every_link_leads_somewhere(report):
