@@ -132,4 +132,4 @@ def tabulate_body_force(body_force: BodyForce | Spatial | None, points: Array, t
     if body_force is None:
         return np.zeros((0, 0, 0))
     force = body_force.force if isinstance(body_force, Spatial) else body_force
-    return np.ascontiguousarray(force(points, times), dtype=float)
+    return np.ascontiguousarray(force(points, times), dtype=float).reshape(len(times), *points.shape)
