@@ -136,13 +136,13 @@ def examined(page: Path, report: Path, scheme: str, profile: Path, act: str = "r
     dict
         What `acted` returns, with what axe-core finds serious as `serious`.
     """
-    code, look = "", "return { serious: [] };"
+    code, look = "", 'return { serious: [], dark: matchMedia("(prefers-color-scheme: dark)").matches };'
     if AXE:
         code, look = Path(AXE.submodule_search_locations[0], "axe.min.js").read_text(encoding="utf-8"), CHECK
     both = f"{code}; const look = async () => {{ {look} }}; const act = async () => {{ {act} }};"
     dark = ["--force-dark-mode", "--blink-settings=preferredColorScheme=0"] if scheme == "dark" else []
     found = acted(page, report, both + "return { ...(await look()), ...(await act()) };", profile, *dark, window=window)
-    assert found.get("dark", scheme == "dark") == (scheme == "dark")
+    assert found["dark"] == (scheme == "dark")
     return found
 
 

@@ -129,6 +129,12 @@ def energies_that_are_made_up_do_not_balance(c: ModuleType) -> None:
         assert verdict_on(criterion, with_history(sound, **balanced, kinetic_energy=9 * kinetic))[0] == "FAIL"
         halved = {"kinetic_energy": 2 * kinetic, "strain_energy": kinetic.max() * 2.5 - 2 * kinetic}
         assert verdict_on(criterion, with_history(sound, **balanced | halved))[0] == "FAIL", "kinetic energies without the half"
+        hidden = with_history(sound, kinetic_energy=0 * kinetic, strain_energy=1e20 + 0 * kinetic, external_work=0 * kinetic)
+        assert verdict_on(criterion, hidden)[0] == "FAIL"
+        assert (
+            verdict_on(c.EnergyDecays(""), with_history(sound, **balanced | {"external_work": -np.linspace(0, 1, 5)}))[0]
+            == "FAIL"
+        )
         constant = with_history(sound, kinetic_energy=10 + 0 * kinetic, strain_energy=0 * kinetic, external_work=0 * kinetic)
         assert verdict_on(criterion, constant)[0] == "FAIL"
 

@@ -43,6 +43,12 @@ def with_a_text_as_schema(path):
         file.mpmverify_kind, file.mpmverify_schema = path.stem, "latest"
 
 
+def with_numbers_as_schema(path):
+    foreign(path)
+    with netCDF4.Dataset(path, "a") as file:
+        file.setncatts({"mpmverify_kind": path.stem, "mpmverify_schema": [6, 6], "id": [1, 2]})
+
+
 def a_text(path):
     path.write_text("my notes")
 
@@ -57,6 +63,7 @@ FOREIGN_FILES = [
     of_another_schema,
     without_a_schema,
     with_a_text_as_schema,
+    with_numbers_as_schema,
     a_text,
     a_folder,
 ]

@@ -89,10 +89,11 @@ def test_a_loss_at_any_time_is_measured_relative_to_its_scale(loss, when):
     assert RISE.measure(histories(external_work=kick), PULLED)["energy_rise"] == pytest.approx(abs(loss) * rises, rel=1e-6)
 
 
-def test_where_no_load_does_work_none_is_subtracted():
-    made_up = histories(external_work=histories().histories["strain_energy"])
-    assert ENERGY.measure(made_up, BAR)["energy_drift"] == pytest.approx(0, abs=ROUND_OFF)
-    assert ENERGY.measure(made_up, PULLED)["energy_drift"] > 0.5
+def test_where_no_load_does_work_a_loss_is_none():
+    loss = np.linspace(0, 0.5, N)
+    lossy = histories(strain_energy=histories().histories["strain_energy"] - loss, external_work=-loss)
+    assert ENERGY.measure(lossy, BAR)["energy_drift"] == pytest.approx(0.5, rel=0.2)
+    assert ENERGY.measure(lossy, PULLED)["energy_drift"] == pytest.approx(0, abs=ROUND_OFF)
 
 
 @pytest.mark.parametrize("speed", [0.0, 3.0, np.nan])

@@ -70,3 +70,15 @@ def test_only_material_points_take_a_force_in_spatial_coordinates():
             solver.solve(bar, at)
     with pytest.raises(UsageError, match="in spatial coordinates at the particles only"):
         MaterialPoint(formulation="total", body_force_at="nodes").solve(bar, at)
+
+
+@pytest.mark.parametrize("shape", [(4,), (4, 1), (1, 4), (4, 1, 2), (1, 4, 2, 1)])
+def test_a_body_force_of_another_shape_is_refused(shape):
+    """Compiled code does not look at the shape, and would read what lies beside the array."""
+
+    def of_shape(x, t):
+        return np.zeros([{4: len(x), 1: len(t)}.get(n, n) for n in shape])
+
+    problem = Problem("shape", (0.0, 0.0), (1.0, 1.0), MATERIAL, FREE, 0.1, {"velocity": np.sin}, of_shape)
+    with pytest.raises(UsageError, match="the body force has shape"):
+        MaterialPoint("USL", formulation="total").solve(problem, Discretisation(0.25, 0.3, 2))

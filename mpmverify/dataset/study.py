@@ -220,17 +220,19 @@ def _read_groups(path: Path) -> dict[str, Group]:
     """Return the groups of a study's file as they are stored, after all checks; the root's path is "/"."""
     try:
         with netCDF4.Dataset(path) as file:
+            stated = {name: str(file.getncattr(name)) for name in file.ncattrs()}
+            if (stated.get("mpmverify_kind"), stated.get("mpmverify_schema")) != ("study", str(SCHEMA)):
+                check_ours(path, "study")  # says what it is, before more of it is read
+            if stated.get("id") != path.stem:
+                raise ResultsError(
+                    f"'{path}' contains the study {stated.get('id')!r}: rename it to '{stated.get('id')}.nc', or move it away"
+                )
             digest, groups = read_groups(file)
+    except ResultsError:
+        raise
     except (OSError, RuntimeError, ValueError, AttributeError, IndexError) as error:
         check_ours(path, "study")
         raise damaged(path) from error
-    stated = groups["/"].attributes
-    if stated.get("mpmverify_kind") != "study" or stated.get("mpmverify_schema") != SCHEMA:
-        check_ours(path, "study")
-    if stated.get("id") != path.stem:
-        raise ResultsError(
-            f"'{path}' contains the study {stated.get('id')!r}: rename it to '{stated.get('id')}.nc', or move it away"
-        )
     if stated.get(CHECKSUM) != digest:
         raise damaged(path)
     return groups

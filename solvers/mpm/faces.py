@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmverify.errors import UsageError
 from mpmverify.problem import Array, BodyForce, Fixed, Periodic, Problem, Spatial, Traction, Velocity
 
 from .basis import Axis
@@ -128,8 +129,19 @@ def _areas(axes: tuple[Axis, ...], h: float, normal: int, lower: tuple[float, ..
 
 
 def tabulate_body_force(body_force: BodyForce | Spatial | None, points: Array, times: Array) -> Array:
-    """Body force (B, K, d) [m/s^2] at points (K, d) [m] and times (B,) [s]; empty when there is none."""
+    """Body force (B, K, d) [m/s^2] at points (K, d) [m] and times (B,) [s]; empty when there is none.
+
+    Raises
+    ------
+    UsageError
+        If what the body force returns has another shape.
+    """
     if body_force is None:
         return np.zeros((0, 0, 0))
     force = body_force.force if isinstance(body_force, Spatial) else body_force
-    return np.ascontiguousarray(force(points, times), dtype=float).reshape(len(times), *points.shape)
+    values = np.ascontiguousarray(force(points, times), dtype=float)
+    if values.shape != (expected := (len(times), *points.shape)):  # compiled code does not look at it
+        raise UsageError(
+            f"the body force has shape {values.shape} at {len(points)} points and {len(times)} times: return {expected}"
+        )
+    return values
