@@ -6,6 +6,7 @@ that it imports what the files hold then. A worker needs no access to the result
 """
 
 import contextlib
+import logging
 import multiprocessing
 import pickle
 import queue
@@ -27,6 +28,8 @@ IN_FLIGHT = 2
 """Number of runs that are sent for each thread of the workers: the next is there when one ends."""
 PATIENCE = 30
 """Limit for the scheduler to answer, at first and when the connection was lost [s]."""
+ALONE = 10
+"""Seconds without a worker after which this is said."""
 
 
 @dataclass(frozen=True)
@@ -131,10 +134,17 @@ class Distributed:
                     stored(task, evaluated)
 
     def _next(self, client: Any, finished: "queue.SimpleQueue[Any]") -> Any:
+        alone = 0
         while True:
             with contextlib.suppress(queue.Empty):
                 return finished.get(timeout=1.0)
             self._check(client)
+            alone = 0 if client.status != "running" or _threads(client) else alone + 1
+            if alone == ALONE:
+                logging.getLogger("mpmverify").warning(
+                    "The dask scheduler at '%s' has no worker: the runs wait for one. Start it with `dask worker %s`.",
+                    *(self.address, self.address),
+                )
 
     def _check(self, client: Any) -> None:
         if client.status == "closed":

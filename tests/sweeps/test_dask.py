@@ -1,5 +1,6 @@
 """Dask workers: runs have the limits and safeguards of processes, and the loss of a worker or a scheduler loses nothing finished."""
 
+import logging
 import os
 import shutil
 import signal
@@ -59,6 +60,22 @@ def test_a_study_has_the_same_verdicts_and_a_second_run_sends_nothing(cluster, t
     assert all(not evaluated.solved for _, evaluated in Distributed("tcp://127.0.0.1:1", 2.0).evaluate(tasks)), (
         "nobody is asked"
     )
+
+
+def test_a_scheduler_without_workers_is_said_and_waited_for(tmp_path, monkeypatch):
+    monkeypatch.setattr(dask, "ALONE", 2)
+    said = []
+    with distributed.LocalCluster(n_workers=0, threads_per_worker=1, dashboard_address=None) as alone:
+        monkeypatch.setattr(
+            logging.getLogger("mpmverify"), "warning", lambda text, *parts: (said.append(text % parts), alone.scale(1))
+        )
+        found = list(Distributed(alone.scheduler_address, 20.0).evaluate(tasks_of(study(), plan(tmp_path))))
+    assert found
+    assert all(evaluated.level.outcome == "completed" for _, evaluated in found)
+    assert said == [
+        f"The dask scheduler at '{alone.scheduler_address}' has no worker: the runs wait for one. "
+        f"Start it with `dask worker {alone.scheduler_address}`."
+    ]
 
 
 def test_a_worker_sees_no_results_folder(tmp_path):
