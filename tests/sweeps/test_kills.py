@@ -57,9 +57,9 @@ def checksums(out: Path) -> dict[str, str]:
 
 
 def content(path: Path) -> dict[str, xr.Dataset]:
-    """Everything that a file of a study holds, but when it was written."""
+    """Everything that a file of a study holds, but when it was written, and what changed since the run before: it may have been killed."""
     with xr.open_datatree(path) as tree:
-        found = {node.path: node.to_dataset().load() for node in tree.subtree}
+        found = {node.path: node.to_dataset().drop_dims("change", errors="ignore").load() for node in tree.subtree}
     for dataset in found.values():
         dataset.attrs = {name: value for name, value in dataset.attrs.items() if name not in PASSING}
     return found
