@@ -25,6 +25,7 @@ from mpmverify.execution.gate import accept, gate
 from mpmverify.execution.runner import read_verdicts, run, tasks_of
 from mpmverify.judgement.baseline import read_baseline
 from mpmverify.problem import Discretisation
+from mpmverify.solution import Status
 from mpmverify.study import Case, Refinement, Series, Study, halving
 
 LEVELS = 3
@@ -666,3 +667,14 @@ def test_a_killed_run_loses_nothing_that_was_finished(tmp_path, file, renamed):
     assert whole.items() <= files(tmp_path / "runs").items()
     assert entry.findings == judged_once(study(), tmp_path / "undisturbed").findings
     assert set(leftovers(Results(tmp_path))) == {path for path in tmp_path.rglob(".*") if path.is_file()}, "the half of a file"
+
+
+def test_a_run_that_died_after_it_wrote_its_file_is_no_error_for_ever(tmp_path, monkeypatch):
+    """A process may be killed between its file and its answer, and a run that is solved anew may die beside an older file."""
+    (good,) = run([study()], plan(tmp_path))
+    with monkeypatch.context() as patch:
+        patch.setattr(evaluation, "_solved", lambda task: evaluation.failed(task, Status.CRASHED, "killed"))
+        (died,) = run([study()], plan(tmp_path, reuse=False))
+    assert {finding.verdict for finding in died.findings} == {Verdict.ERROR}
+    (again,) = run([study()], plan(tmp_path))
+    assert (again.findings, again.solved) == (good.findings, 0)

@@ -252,8 +252,9 @@ def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence
     levels = [entry.level for entry in evaluated]
     evidence = evidence_by_series(levels)
     judged = judge(study.name, study.criteria(), evidence, plan.baseline, study.restricted_to)
-    # A run without a file is tried again next time: its study is not up to date.
-    complete = all(plan.results.run(task.key).exists() for task in tasks)
+    # A run that failed has no time step. It is tried again next time, even if its file is there: of an earlier run, or of this one, if
+    # the process was killed before it answered.
+    complete = all(plan.results.run(task.key).exists() for task in tasks) and not any(math.isnan(level.dt) for level in levels)
     inputs = inputs if complete else ""
     snapshots = {entry.level.series: entry.snapshots for entry in evaluated if entry.snapshots}
     write_study(plan.results.study(study.name), study, levels, snapshots, judged, tier=plan.tier, inputs=inputs, run=run)
