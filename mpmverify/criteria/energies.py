@@ -71,9 +71,9 @@ def kinetic_apart(solution: Solution, setting: Setting) -> Mapping[str, float]:
     the points and the range of the strain energy. A solution without velocities is not looked at.
     """
     material, velocity = setting.problem.problem.material, solution.fields.get("velocity")
-    if velocity is None or not isinstance(material, LinearElastic):
-        return {}
     history, end = solution.histories, float(solution.time[-1])
+    if velocity is None or not {"kinetic_energy", "strain_energy"} <= history.keys() or not isinstance(material, LinearElastic):
+        return {}
     row = np.searchsorted(history["time"], solution.time - SAME_TIME * end).clip(max=len(history["time"]) - 1)
     known = np.abs(history["time"][row] - solution.time) <= SAME_TIME * end
     sums = 0.5 * material.density * (np.sum(velocity**2, axis=2) @ solution.weight[0])
