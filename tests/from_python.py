@@ -4,18 +4,12 @@ import inspect
 from types import SimpleNamespace
 
 import numpy as np
-from numba import njit
 
 from mpmverify.solvers.mpm import splines, stencil, support
 from mpmverify.solvers.mpm.order import strips
 from mpmverify.solvers.mpm.state import nodal
 from mpmverify.solvers.mpm.vectors import columns, constant, scale
-from mpmverify.solvers.tracing import ARITHMETIC, traced, unpack
-
-
-def callable_from_python(function):
-    """A traced function compiled to one with an entry."""
-    return njit(**ARITHMETIC, no_cfunc_wrapper=True)(lambda *args: function(*args))
+from mpmverify.solvers.tracing import Compiled, traced, unpack, when
 
 
 def entries(module):
@@ -23,7 +17,7 @@ def entries(module):
     known = dict(vars(module))
     for name, value in vars(module).items():
         if inspect.isfunction(value) and inspect.getsource(value).startswith("@traced"):
-            known[name] = callable_from_python(value)
+            known[name] = Compiled(value)
     return SimpleNamespace(**known)
 
 
@@ -39,17 +33,18 @@ def _along(grid, s):
     return first, N, dN, support.moment_along(grid, 0, first, offset, N)
 
 
-@njit(**ARITHMETIC)
+_compiled_along = Compiled(_along)
+
+
 def along(grid, s):
     """First function, N (W,) and dN/dx (W,) along the only axis of a grid."""
-    first, N, dN, _ = _along(grid, s)
+    first, N, dN, _ = _compiled_along(grid, s)
     return first, np.array(N), np.array(dN)
 
 
-@njit(**ARITHMETIC)
 def moment_along(grid, s):
     """Moments N (x_I - x) (W,), and their moment D, in cells."""
-    moment, D = _along(grid, s)[3]
+    moment, D = _compiled_along(grid, s)[3]
     return np.array(moment), D
 
 
@@ -65,7 +60,7 @@ def _moments_of_inertia(scheme, grid, particles, p):
     return of_the_first(scale(1 / (grid.scale * grid.scale), D))
 
 
-moments_of_inertia = callable_from_python(_moments_of_inertia)
+moments_of_inertia = Compiled(_moments_of_inertia)
 """D of a particle, a diagonal (d,) [m^2]."""
 
 
@@ -76,11 +71,11 @@ def _spread(scheme, grid, particles, p, N, dN, directions):
     at.spread_tensor(grid, dN, 0, columns(directions, constant(some.present, grid.lower)))
 
 
-@njit(**ARITHMETIC, no_cfunc_wrapper=True)
+@Compiled
 def spread(scheme, grid, particles, p, N, dN, directions):
     """Add the functions of a particle if it is on the grid; return whether it is."""
     supported = stencil.found(scheme, grid, particles, p)[0]
-    if supported:
+    with when(supported):
         _spread(scheme, grid, particles, p, N, dN, directions)
     return supported
 

@@ -22,14 +22,14 @@ problem, found = axial_vibration().problem, []
 for solver.MANY in (10**9, 0):  # in one thread, then in several
     solution = MaterialPoint("USL").solve(problem, Discretisation(problem.lengths[0] / 64, 0.3, 2))
     found.append([str(solution.outcome.status), float(abs(solution.fields["stress"]).sum()).hex(), threads_are_started()])
-counts = [(one.stats.cache_hits.total(), one.stats.cache_misses.total()) for one in (loop.march, loop.march_in_threads)]
+counts = [(one.from_disk, one.made) for one in (loop.march, loop.march_in_threads)]
 print(json.dumps([found, *counts]))
 """
 
 
 def started(cache):
     command = [sys.executable, "-c", SOLVE]
-    settings = {"NUMBA_CACHE_DIR": str(cache), "NUMBA_OPT": "1"}
+    settings = {"NUMBA_CACHE_DIR": str(cache)}
     return subprocess.Popen(command, env=os.environ | settings, stdout=subprocess.PIPE, text=True)
 
 

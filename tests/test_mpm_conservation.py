@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from arrays import assert_close
 from from_python import functions_of, moments_of_inertia, one_strip
-from numba import njit
 
 from mpmverify.problem import Constant, Discretisation, LinearElastic, NeoHookean, Periodic, Problem, Traction
 from mpmverify.solvers.mpm import APIC, FLIP, TPIC, MaterialPoint, blend, fmpm, passes, xpic
@@ -15,7 +14,7 @@ from mpmverify.solvers.mpm.basis import BASES
 from mpmverify.solvers.mpm.faces import node_positions
 from mpmverify.solvers.mpm.state import PASSED, Step
 from mpmverify.solvers.mpm.transfers import TRANSFERS
-from mpmverify.solvers.tracing import ARITHMETIC
+from mpmverify.solvers.tracing import Compiled, cond
 
 particles_to_grid, grid_to_particles = passes.particles_to_grid, passes.grid_to_particles
 FREE = Traction(Constant(0.0))
@@ -45,10 +44,10 @@ MATERIALS = {"quadratic": NeoHookean(1.0, 1.0, 0.2)}
 ELASTIC = LinearElastic(1.0, 1.0, 0.3)
 
 
-@njit(**ARITHMETIC, no_cfunc_wrapper=True)
+@Compiled
 def passed(back, *state):
-    """Status of a pass to the grid, or back to the particles. Two functions would need two entries, half of the compilation."""
-    return grid_to_particles(*state) if back else particles_to_grid(*state)
+    """Status of a pass to the grid, or back to the particles."""
+    return cond(back, lambda: grid_to_particles(*state), lambda: particles_to_grid(*state))
 
 
 def in_dimensions(*variants_and_dimensions):

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from from_python import callable_from_python, entries, of_the_first
+from from_python import entries, of_the_first
 
 from mpmverify.problem import Discretisation, LinearElastic, Periodic, Problem, Traction
 from mpmverify.solvers import mpm
 from mpmverify.solvers.mpm import MaterialPoint, stencil
 from mpmverify.solvers.mpm.order import UNSORTED, strips
 from mpmverify.solvers.mpm.state import FAILED, PASSED
-from mpmverify.solvers.tracing import traced
+from mpmverify.solvers.tracing import Compiled, traced
 
 order = entries(mpm.order)
 CELLS, H = 40, 1 / 40
@@ -93,7 +93,7 @@ def test_groups_are_the_same_outside_and_inside_a_periodic_box(basis):
     assert max(found[0][0]) == 4
 
 
-call_group = callable_from_python(group_of)
+call_group = Compiled(group_of)
 
 
 def test_sorted_particles_are_in_order_of_cells_and_keep_their_state():

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from from_python import callable_from_python, one_strip
+from from_python import one_strip
 from scipy.interpolate import BSpline
 
 from mpmverify.criteria.norms import NORMS, errors
@@ -16,8 +16,9 @@ from mpmverify.solvers.mpm import APIC, FLIP, PIC, MaterialPoint, fmpm, sweeps, 
 from mpmverify.solvers.mpm.basis import BASES
 from mpmverify.solvers.mpm.faces import node_positions
 from mpmverify.solvers.mpm.state import PASSED, Step
+from mpmverify.solvers.tracing import Compiled
 
-to_grid = callable_from_python(sweeps.to_grid)
+to_grid = Compiled(sweeps.IN_TURN.to_grid)
 RECONSTRUCTED = tuple(name for name in BASES if name.startswith("tls-"))
 CELLS, H = 3, 0.5
 bases = pytest.mark.parametrize("basis", RECONSTRUCTED)

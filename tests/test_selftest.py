@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 from faulty_solvers import transported
 from lone_tasks import double, why
-from test_planted_faults import SOURCES, little_optimisation
+from test_planted_faults import SOURCES
 
 from mpmverify import studies
 from mpmverify.cli import cli
@@ -271,9 +271,8 @@ def judged(tmp_path_factory):
     trial = Trial("gehojerez-deck", "deck", "tg-lumped").of(studies.get)
     none = Baseline(folder / "none.json")
     assert list(run([trial], Plan(Results(folder), none, jobs=0)))
-    with little_optimisation():
-        judge = FaultJudge(SOURCES, (trial,), none, folder, folder, (lines_run(trial, SOURCES, folder),))
-        return {name: judge.judge(Fault("taylor_galerkin", "named", "a fault", (edit,))) for name, (edit, _) in FATES.items()}
+    judge = FaultJudge(SOURCES, (trial,), none, folder, folder, (lines_run(trial, SOURCES, folder),))
+    return {name: judge.judge(Fault("taylor_galerkin", "named", "a fault", (edit,))) for name, (edit, _) in FATES.items()}
 
 
 def test_a_fault_is_tried_where_its_statement_runs():
@@ -323,10 +322,9 @@ def test_every_study_is_tried_after_a_kill_and_a_study_that_passes_is_named(tmp_
     lines = tuple(lines_run(trial, SOURCES, tmp_path) for trial in (deck, bar))
     survived = Fault("taylor_galerkin", "named", "survived", (FATES["survived"][0],))
     killed = Fault("taylor_galerkin", "named", "killed", (FATES["killed"][0],))
-    with little_optimisation():
-        judge = FaultJudge(SOURCES, (deck, bar), none, tmp_path, tmp_path, lines, every_study=True)
-        energy, step = judge.judge(survived), judge.judge(killed)
-        first = dataclasses.replace(judge, every_study=False).judge(killed)
+    judge = FaultJudge(SOURCES, (deck, bar), none, tmp_path, tmp_path, lines, every_study=True)
+    energy, step = judge.judge(survived), judge.judge(killed)
+    first = dataclasses.replace(judge, every_study=False).judge(killed)
     assert (energy.fate, energy.killed_by, energy.passed) == (Fate.KILLED, ("driven-bar",), ("gehojerez-deck",))
     assert (step.killed_by, step.passed, step.trials) == (("gehojerez-deck", "driven-bar"), (), 2)
     assert (first.killed_by, first.passed, first.trials) == (("gehojerez-deck",), (), 1)

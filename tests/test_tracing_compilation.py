@@ -13,7 +13,7 @@ import pytest
 import mpmverify.solvers
 from mpmverify.selftest.faults import Fault
 from mpmverify.selftest.planting import planted
-from mpmverify.solvers.tracing import checksum
+from mpmverify.solvers.tracing import Compiled, checksum, disk
 
 SOURCES = Path(mpmverify.solvers.__file__).parent
 LAW = "return shifted(lame * trace(eps), 2 * shear, eps)"
@@ -25,7 +25,7 @@ from mpmverify.problem import Discretisation
 
 problem = axial_vibration().problem
 solution = MaterialPoint("USL").solve(problem, Discretisation(problem.lengths[0] / 16, 0.3, 2))
-print(json.dumps([float(abs(solution.fields["stress"]).sum()).hex(), loop.march.stats.cache_hits.total()]))
+print(json.dumps([float(abs(solution.fields["stress"]).sum()).hex(), loop.march.from_disk]))
 """
 
 
@@ -39,7 +39,7 @@ def copy(tmp_path):
 def solved(copy):
     """Stress of a bar by the solvers of a copy in another process, and how many loops came from the disk."""
     path = os.pathsep.join([str(copy.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
-    settings = {"PYTHONPATH": path, "NUMBA_CACHE_DIR": str(copy.parent / "cache"), "NUMBA_OPT": "1"}
+    settings = {"PYTHONPATH": path, "NUMBA_CACHE_DIR": str(copy.parent / "cache")}
     command = [sys.executable, "-c", SOLVE]
     done = subprocess.run(command, env=os.environ | settings, capture_output=True, text=True, check=True)
     return json.loads(done.stdout)
@@ -56,12 +56,58 @@ def test_an_edited_law_is_compiled_and_no_stale_code_runs(copy):
     assert hits == 0
 
 
-def test_an_index_of_classes_that_are_gone_is_not_read(copy):
-    """Numba's index of a loop names the classes of its arguments."""
+@pytest.mark.parametrize(
+    "damage", [lambda code: b"", lambda code: code[:-9], lambda code: code[:-9] + b"?" * 9, lambda code: b"[1]"]
+)
+def test_a_file_of_code_that_is_not_whole_is_compiled_anew(copy, damage):
     stress, _ = solved(copy)
-    for path in (copy / "mpm").glob("*.py"):
-        path.write_text(path.read_text(encoding="utf-8").replace("Grid", "Lattice"), encoding="utf-8")
+    (file,) = (copy.parent / "cache").glob("march-*.code")
+    whole = file.read_bytes()
+    file.write_bytes(damage(whole))
     assert solved(copy) == [stress, 0]
+    assert file.read_bytes() == whole
+
+
+def test_code_is_kept_beside_the_sources_or_where_the_user_may_write(tmp_path, monkeypatch):
+    sources, home = tmp_path / "sources", tmp_path / "home"
+    sources.mkdir()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(home))
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    assert disk.folder_for(sources) == sources / "__pycache__"
+    (sources / "__pycache__").rmdir()
+    (sources / "__pycache__").touch()
+    assert disk.folder_for(sources) == home / "mpmverify"
+    (home / "mpmverify").rmdir()
+    (home / "mpmverify").touch()
+    assert disk.folder_for(sources) is None
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "chosen"))
+    assert disk.folder_for(sources) == tmp_path / "chosen"
+
+
+def test_without_a_folder_code_is_compiled_and_runs(tmp_path, monkeypatch):
+    (tmp_path / "taken").touch()
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "taken"))
+    doubled = Compiled(lambda x: 2 * x, "doubled", SOURCES / "fem")
+    assert doubled(1.5) == 3.0
+    assert (doubled.made, doubled.from_disk) == (1, 0)
+
+
+def test_a_full_disk_loses_no_run(tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(disk.tempfile, "NamedTemporaryFile", full)
+    assert Compiled(lambda x: 2 * x, "doubled", SOURCES / "fem")(1.5) == 3.0
+    assert not list(tmp_path.iterdir())
+
+
+def test_functions_of_one_name_and_other_arguments_have_files_of_their_own(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    found = [Compiled(lambda x: 2 * x, "doubled", SOURCES / "fem") for _ in range(2)]
+    assert [one(x) for one in found for x in (2, 1.5)] == [4, 3.0] * 2
+    assert [(one.made, one.from_disk) for one in found] == [(2, 0), (0, 2)]
+    assert len(list(tmp_path.glob("doubled-*.code"))) == 2
 
 
 def test_the_checksum_is_that_of_the_solver_and_of_its_compiler(tmp_path):
@@ -78,7 +124,6 @@ def test_the_checksum_is_that_of_the_solver_and_of_its_compiler(tmp_path):
         assert of(package / "mpm") == before
 
 
-def test_the_loop_of_the_material_point_method_depends_on_its_checksum():
+def test_the_loops_of_the_material_point_method_are_kept_with_the_checksum_of_their_folder():
     loop = import_module("mpmverify.solvers.mpm.loop")
-    for name in ("march", "march_in_threads"):
-        assert getattr(loop, name).py_func.__name__ == f"{name}_{checksum(SOURCES / 'mpm'):08x}"
+    assert loop.SOURCES == SOURCES / "mpm"

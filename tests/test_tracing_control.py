@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numba import njit
-from numba.core.errors import TypingError
 
 from mpmverify.selftest.tripwire import spoil_arrays
 from mpmverify.solvers.tracing import (
+    Compiled,
     Variable,
     cond,
     equal,
     for_range,
     for_strides,
+    leavable,
     logical_not,
     outlined,
     pack,
@@ -21,6 +21,7 @@ from mpmverify.solvers.tracing import (
     reduce_sum,
     switch,
     traced,
+    valued,
     when,
     where,
     while_loop,
@@ -48,6 +49,19 @@ def strides(begin, end, length, visited):
 
 
 @traced
+def first_above(values, limit):
+    """Index of the first value above a limit, and how many were looked at."""
+    found, seen = Variable(-1, like=values.shape[0]), Variable(0, like=values.shape[0])
+    with leavable(values) as leave, for_range(0, values.shape[0]) as k:
+        seen.value += 1
+        with when(values[k] > limit):
+            found.value = k
+            leave(values[k] > limit)
+        leave(values[k] < -limit)
+    return found.value, seen.value
+
+
+@traced
 def of_numbers_of_python(x):
     total = Variable(0.0, x[0])
     with for_range(0, 3, like=x) as i, for_range(0, 2, like=x) as _:
@@ -61,7 +75,7 @@ def merged(x, n):
 
 
 def test_a_while_loop_ends_when_its_condition_fails():
-    count = njit(lambda n: collatz(n))
+    count = Compiled(collatz)
     assert [count(n) for n in (1, 2, 3, 6, 7, 27)] == [0, 1, 7, 8, 16, 111]
 
 
@@ -74,12 +88,22 @@ def test_a_loop_takes_the_strides_that_its_body_chooses(begin, end, length):
     assert np.array_equal(visited, expected)
 
 
-compiled_strides = njit(lambda begin, end, length, visited: strides(begin, end, length, visited))
-compiled_merged = njit(lambda x, n: merged(x, n))
+compiled_strides = Compiled(strides)
+compiled_merged = Compiled(merged)
+
+
+@given(st.lists(st.integers(-9, 9), max_size=8), st.integers(1, 8))
+def test_code_is_left_before_its_end(values, limit):
+    stop = next((k for k, value in enumerate(values) if abs(value) > limit), None)
+    expected = (-1, len(values)) if stop is None else (stop if values[stop] > 0 else -1, stop + 1)
+    assert compiled_first_above(np.array(values, dtype=float), float(limit)) == expected
+
+
+compiled_first_above = Compiled(first_above)
 
 
 def test_a_loop_between_numbers_of_python():
-    assert njit(lambda x: of_numbers_of_python(x))(np.array([1.0, 2.0, 4.0, 8.0])) == 14.0
+    assert Compiled(of_numbers_of_python)(np.array([1.0, 2.0, 4.0, 8.0])) == 14.0
 
 
 @given(st.floats(-5, 5), whole_numbers)
@@ -98,7 +122,7 @@ def test_switch_runs_the_branch_of_a_number(n, x):
     assert compiled_numbered(n, x) == numbered(n, x) == expected
 
 
-compiled_numbered = njit(lambda n, x: numbered(n, x))
+compiled_numbered = Compiled(numbered)
 
 
 @traced
@@ -108,7 +132,7 @@ def of_two_kinds(x, n):
 
 @pytest.mark.parametrize(("x", "n", "expected"), [(1.5, 2, (1.5, 12.0)), (-1.5, 1, (1.0, 4.5)), (-1.5, 0, (0.0, 0.0))])
 def test_branches_of_two_kinds_are_promoted(x, n, expected):
-    found = njit(lambda x, n: of_two_kinds(x, n))(x, n)
+    found = Compiled(of_two_kinds)(x, n)
     assert found == expected
     assert [type(value) for value in found] == [float, float]
 
@@ -147,16 +171,16 @@ def into_what_is_not_shared(x, y):
 
 def test_values_that_are_not_there_are_refused():
     """A value of another kind, of a branch that was not taken, or of another function never gets into the code."""
-    with pytest.raises((TypingError, TypeError), match="type i1 cannot become one of type double"):
-        njit(lambda x: boolean_or_number(x))(1.0)
+    with pytest.raises(TypeError, match="type i1 cannot become one of type double"):
+        Compiled(boolean_or_number)(1.0)
     with pytest.raises(RuntimeError, match="does not dominate"):
-        njit(lambda x, y: out_of_its_branch(x, y))(1.0, np.ones(1))
-    with pytest.raises((TypingError, TypeError), match="another function"):
-        njit(lambda x, y: from_outside(x, y))(1.0, np.ones(2))
-    with pytest.raises((TypingError, TypeError), match="another function"):
-        njit(lambda x, y: by_a_condition_from_outside(x, y))(1.0, np.ones(2))
-    with pytest.raises((TypingError, TypeError), match="not shared with it"):
-        njit(lambda x, y: into_what_is_not_shared(x, y))(1.0, np.ones(2))
+        Compiled(out_of_its_branch)(1.0, np.ones(1))
+    with pytest.raises(TypeError, match="another function"):
+        Compiled(from_outside)(1.0, np.ones(2))
+    with pytest.raises(TypeError, match="another function"):
+        Compiled(by_a_condition_from_outside)(1.0, np.ones(2))
+    with pytest.raises(TypeError, match="not shared with it"):
+        Compiled(into_what_is_not_shared)(1.0, np.ones(2))
 
 
 calls = []
@@ -170,9 +194,9 @@ def counted(x, pair, array) -> int:
 
 
 def test_an_outlined_function_is_traced_once_and_called_with_the_arguments_of_each_call():
-    @njit
+    @Compiled
     def twice(x, y, array, other):
-        return counted(x, (y, 1.0), array), counted(2 * x, (x, y), other)
+        return counted(x, (y, valued(1.0, x)), array), counted(2 * x, (x, y), other)
 
     array, other = np.zeros(3), np.zeros(2)
     calls.clear()
@@ -187,8 +211,8 @@ def with_a_number_of_python(x, array):
 
 
 def test_an_outlined_function_takes_no_number_of_python():
-    with pytest.raises((TypingError, TypeError), match="number of Python"):
-        njit(lambda x, array: with_a_number_of_python(x, array))(1.0, np.zeros(1))
+    with pytest.raises(TypeError, match="number of Python"):
+        Compiled(with_a_number_of_python)(1.0, np.zeros(1))
 
 
 def _of_the_same_name():
@@ -204,7 +228,7 @@ other = _of_the_same_name()
 
 
 def test_outlined_functions_of_one_name_are_two_and_calls_of_one_take_the_same_types():
-    @njit
+    @Compiled
     def both(x, array):
         return counted(x, (x, x), array), other(x, (x, x), array)
 
@@ -212,11 +236,11 @@ def test_outlined_functions_of_one_name_are_two_and_calls_of_one_take_the_same_t
     assert both(3.0, array) == (0, 2)
     assert array[0] == -3.0
 
-    @njit
+    @Compiled
     def unlike(x, n, array):
         return counted(x, (x, x), array), counted(n, (x, x), array)
 
-    with pytest.raises((TypingError, TypeError), match="arguments of the same types"):
+    with pytest.raises(TypeError, match="arguments of the same types"):
         unlike(1.0, 2, np.zeros(1))
 
 
@@ -238,7 +262,7 @@ def with_arrays_at_hand(number, values, places):
 def test_spoil_arrays_in_code_that_does_not_run_changes_nothing(number, reached):
     """The self-test finds out in this way whether a trial reaches a passage; without arrays, those of the caller are spoiled."""
     values = np.array([1.0, 2.0, 3.0])
-    njit(lambda n, values, places: with_arrays_at_hand(n, values, places))(number, values, np.arange(3))
+    Compiled(with_arrays_at_hand)(number, values, np.arange(3))
     assert np.isnan(values[[0, 2]]).all() == reached
     assert np.array_equal(values[[0, 2]], [1.0, 3.0]) != reached
 

@@ -6,9 +6,8 @@ import numba
 import numpy as np
 import pytest
 from llvmlite import binding
-from numba import njit
 
-from mpmverify.solvers.tracing import for_range, parallel_for, start_threads, traced, where
+from mpmverify.solvers.tracing import Compiled, for_range, parallel_for, start_threads, traced, where
 
 
 @traced
@@ -26,7 +25,7 @@ def after(count):
 @pytest.mark.parametrize("threads", [1, numba.config.NUMBA_NUM_THREADS])
 @pytest.mark.parametrize("count", [0, 1, 3, 17])
 def test_each_round_runs_once_however_many_threads_there_are(count, threads):
-    rounds = njit(nogil=True)(lambda count, A, scale, flag: in_rounds(count, A, scale, flag))
+    rounds = Compiled(in_rounds)
     numba.set_num_threads(threads)
     try:
         A = np.zeros((20, 3))
@@ -76,7 +75,7 @@ def launched_by(request):
 
 @pytest.mark.parametrize("launched_by", [without_arrays, counts_first, data_last, nothing], indirect=True)
 def test_threads_that_are_launched_in_another_way_are_not_used(launched_by):
-    rounds = njit(nogil=True)(lambda count, A, scale, flag: in_rounds(count, A, scale, flag))
+    rounds = Compiled(in_rounds)
     A = np.zeros((20, 3))
     with pytest.warns(RuntimeWarning, match="loops run in one thread"):
         rounds(17, A, 0.5, True)

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from mpmverify.execution.workers import environment
 from mpmverify.selftest.faults import Fault
 from mpmverify.solution import Solver
 from mpmverify.study import Study
@@ -41,14 +42,15 @@ def planted(fault: Fault, sources: Path, folder: Path) -> Iterator[str]:
     (package / "__init__.py").touch()
     for file, text in fault.planted(sources).items():
         (package / file).write_text(text, encoding="utf-8")
-    compiled, settings.CACHE_DIR = settings.CACHE_DIR, ""  # cache beside the copy, also where NUMBA_CACHE_DIR is set
+    kept, settings.CACHE_DIR = settings.CACHE_DIR, ""  # compiled code lies beside the copy, also where NUMBA_CACHE_DIR is set
     sys.path.insert(0, str(folder))
     importlib.invalidate_caches()
     try:
-        yield name
+        with environment({"NUMBA_CACHE_DIR": ""}):
+            yield name
     finally:
         sys.path.remove(str(folder))
-        settings.CACHE_DIR = compiled
+        settings.CACHE_DIR = kept
         for module in [module for module in sys.modules if module.partition(".")[0] == name]:
             del sys.modules[module]
 

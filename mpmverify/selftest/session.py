@@ -16,7 +16,6 @@ from mpmverify.convergence.verdict import Verdict
 from mpmverify.dataset.files import Results
 from mpmverify.execution.keys import digest, file_digest
 from mpmverify.execution.runner import Plan, run
-from mpmverify.execution.workers import environment
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
 from mpmverify.selftest.fault_judge import FaultJudge, FaultResult
@@ -39,8 +38,6 @@ CODE = ("mpmverify.execution.evaluation", "mpmverify.judgement.judging", "mpmver
 RANDOM_SERIES = {"quick": 9_800, "full": 196_000}
 """Number of random error series whose verdicts are checked."""
 SEED = 11
-COMPILATION = {"NUMBA_OPT": "1"}
-"""Compilation dominates; NUMBA_OPT=1 saves a quarter of the time."""
 
 Progress = Callable[[str, int, int], None]
 Row = TypeVar("Row", PlantedFault, UnmodifiedRun)
@@ -167,7 +164,7 @@ class Session:
         modules = {type(s.solver).__module__ for studies in trials.values() for study in studies for _, s in study.series()}
         imports = sorted({*CODE, *modules})
         # This folder holds all temporary files, so that those of a killed process are removed, too.
-        with environment(COMPILATION), tempfile.TemporaryDirectory(prefix="mpmverify-") as scratch:
+        with tempfile.TemporaryDirectory(prefix="mpmverify-") as scratch:
             lines = self._lines({fault.family: trials[fault.family] for fault in waiting}, Path(scratch), imports)
             judges = {
                 family: FaultJudge(

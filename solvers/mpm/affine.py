@@ -1,6 +1,6 @@
 """What particles keep of the variation of velocity about them.
 
-A kind is an empty NamedTuple, which is a type to numba; its methods run while the time loop is traced. Where x_I - x_p varies
+A kind is an empty NamedTuple, which tells compiled loops apart; its methods run while the time loop is traced. Where x_I - x_p varies
 within the support, D_p = sum_I N_Ip (x_I - x_p)(x_I - x_p)^T is diagonal. What a kind has:
 
 slopes(grid, kept, m, D)

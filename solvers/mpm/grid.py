@@ -9,7 +9,7 @@ from mpmverify.problem import Array
 
 from ..tracing import LANES, Consecutive, add_sums, for_range, traced, where
 from .faces import Faces
-from .state import Grid, Nodes
+from .state import Grid, Nodes, Scheme
 from .vectors import Vector
 
 # Numbers, lanes and arrays of compiled code have no annotation.
@@ -128,9 +128,9 @@ def kick_nodes(zero: Vector, nodes: Nodes, velocity: Array, least: LeastMass, ki
 
 
 @traced
-def weigh(zero: Vector, nodes: Nodes, body: Array, load: int):
-    """Add the body force m_I b_I to the external forces, where `body` (N, n, d) has one at the nodes."""
-    with for_range(0, where(body.shape[0] > 0, nodes.inertia.shape[1], 0)) as i:
+def weigh(scheme: Scheme, zero: Vector, nodes: Nodes, body: Array, load: int):
+    """Add the body force m_I b_I to the external forces, where the scheme has it at the nodes and `body` (N, n, d) is not empty."""
+    with for_range(0, where(scheme.nodal_body & (body.shape[0] > 0), nodes.inertia.shape[1], 0)) as i:
         for c in range(len(zero)):
             nodes.external[c, i] += nodes.inertia[0, i] * body[load, i, c]
 
@@ -185,6 +185,14 @@ def hold_acceleration(grid: Grid, nodes: Nodes, faces: Faces, n: int, dt: float)
         nodes.acceleration[c, i] = (faces.velocity[face, n + 1] - faces.velocity[face, n]) / leap
         nodes.external[c, i] = nodes.inertia[0, i] * nodes.acceleration[c, i] - nodes.internal[c, i]
     repeat(grid, nodes.acceleration)
+
+
+@traced
+def clear_correction(zero: Vector, nodes: Nodes) -> None:
+    """Zero the correction of XPIC."""
+    with for_range(0, nodes.inertia.shape[1]) as i:
+        for c in range(len(zero)):
+            nodes.projected[c, i] = 0.0
 
 
 @traced

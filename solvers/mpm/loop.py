@@ -1,77 +1,75 @@
 """Compiled time loop of the explicit material point method."""
 
+from functools import partial
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
 
 from mpmverify.problem import Array
 
-from ..tracing import WITHOUT_ENTRY, checksum, compiled
+from ..tracing import (
+    Compiled,
+    Variable,
+    cond,
+    equal,
+    for_range,
+    leavable,
+    logical_not,
+    maximum,
+    outlined,
+    traced,
+    valued,
+    when,
+    where,
+    while_loop,
+)
 from .faces import Faces
 from .grid import (
-    accelerate,
     add_term,
     begin_series,
+    clear_correction,
     hold_acceleration,
     hold_velocity,
     join,
-    kick_nodes,
     leapfrog,
     least_mass,
     load_faces,
-    nodal_velocity,
     weigh,
 )
 from .histories import COMPLETED, INVERTED, LEFT_GRID, Histories, Outputs, add_heat, add_up, record_sums
-from .order import ARRANGED, INTERVAL, UNSORTED, Strips, arrange, sort
-from .passes import MUSL, USF, USL, grid_to_particles, record_fields, smooth, strain_particles
-from .state import (
-    FAILED,
-    STRAYED,
-    Grid,
-    Nodes,
-    Particles,
-    Scheme,
-    Step,
-    columns_of,
-    full_mass,
-)
-from .sweeps import IN_THREADS, IN_TURN, fits_to_grid, to_grid
+from .order import ARRANGED, INTERVAL, UNSORTED, Strips
+from .passes import MUSL, USF, USL, record_fields
+from .state import FAILED, PASSED, STRAYED, Grid, Nodes, Particles, Scheme, Step, columns_of, full_mass
+from .sweeps import IN_THREADS, IN_TURN
 from .vectors import with_mass
 
 # Tuples whose length is known only while a function is traced have no annotation.
 # mypy: disable-error-code="no-untyped-def"
 
-SOURCES = checksum(Path(__file__).parent)
-"""Checksum of this package and of its compiler, part of the names of the loops: the disk cache compiles them anew when a file changes."""
+SOURCES = Path(__file__).parent
+"""Folder whose files the compiled loops are made of, beside those of the compiler."""
 
 
-def refine(
-    series,
-    scheme,
-    grid,
-    particles,
-    nodes,
-    faces,
-    strips,
-    least,
-    values,
-    total,
-    reaction,
-    added,
-):
-    """Add the terms 0 < j < k of sum_{j < k} (I - S^+ S)^j to `total` (d, n), from the velocities or accelerations `values` (d, n).
+def refining(passes: SimpleNamespace):
+    """Function that adds the terms of a series, see `refine`; its calls share one compiled function."""
 
-    S maps nodes to particles and S^+ back, with the lumped mass: the more terms, the closer the sum comes to the result of the full
-    mass matrix. `reaction` is 1 for accelerations and 0 for velocities, see `add_term`. Without a series nothing happens.
-    """
-    if series is not None:
+    def refine(scheme, grid, particles, nodes, faces, strips, first, least, values, total, reaction, added) -> int:
+        """Add the terms 0 < j < k of sum_{j < k} (I - S^+ S)^j to `total` (d, n), from the velocities or accelerations `values` (d, n).
+
+        S maps nodes to particles and S^+ back, with the lumped mass: the more terms, the closer the sum comes to the result of the full
+        mass matrix. `reaction` is 1 for accelerations and 0 for velocities, see `add_term`.
+        """
         begin_series(grid, nodes, values)
-        for _ in range(series.terms - 1):
-            smooth(scheme, grid, particles, nodes, strips, 0)
+        with for_range(1, scheme.series.terms) as _:
+            passes.smooth(scheme, grid, particles, nodes, strips, first)
             add_term(grid, nodes, faces, least, total, reaction, added)
+        return PASSED
+
+    return outlined(refine)
 
 
+@traced
 def march_through(
+    passes: SimpleNamespace,
     scheme: Scheme,
     grid: Grid,
     particles: Particles,
@@ -91,6 +89,8 @@ def march_through(
 
     Parameters
     ----------
+    passes : SimpleNamespace
+        The passes of a step, see `sweeps`, and `refine`.
     running : Array
         Sums carried from call to call (4 + d,): power and work at t^{n-1}, energy given to the body and turned into heat so far, and
         impulse to t^{n-1/2}.
@@ -99,6 +99,8 @@ def march_through(
     body : Array
         b at t^n of these steps, (end - begin, P, d) in the order of the problem or (end - begin, n, d) at nodes [m/s^2]; empty for
         none.
+    begin, end : int
+        Range of steps. A call without a step, before the first one, sorts the particles that threads work on.
     output : int
         Index of the next output.
 
@@ -114,97 +116,91 @@ def march_through(
     Material Point Method, 2017 (the leapfrog form); de Vaucorbeil, Nguyen and Hutchinson, 2020,
     doi:10.1016/j.cma.2019.112783 (total Lagrangian).
     """
-    heaviest = 0.0
-    for p in range(particles.place.size):
-        heaviest = max(heaviest, particles.state[p, columns_of(grid.lower, particles.deformation).mass])
-    least, last, count = least_mass(grid, heaviest), faces.force.shape[1] - 1, nodes.inertia.shape[1]
-    many, series, turns = strips.passed.size > 1, scheme.series, full_mass(scheme)
-    velocity, nodal_body = nodes.velocity, body if scheme.nodal_body else body[:0]
-    zero = grid.lower
-    nothing, added, sums_at_nodes = (
-        strips.total[0, :0],
-        strips.total[0, : len(grid.lower)],
-        strips.total[1, : 2 + len(grid.lower)],
-    )
-    if many and begin == end:  # the call that compiles
-        sort(scheme, grid, particles, strips, begin)
-    record = 0
-    while histories.step[record] < begin:
-        record += 1
-    for n in range(begin, end):
-        due = many and (strips.sorting[0] == UNSORTED or n - strips.sorting[0] == INTERVAL)
-        if due and sort(scheme, grid, particles, strips, n) == FAILED:
-            return LEFT_GRID, n, output
-        if due or n == 0 or (n % ARRANGED == 0 and not scheme.total):
-            arrange(scheme, grid, particles, nodes, strips, 0)
-        forces, recorded = scheme.schedule != USF or n == 0, histories.step[record] == n
+    zero, first = grid.lower, valued(0, begin)
+    heaviest = Variable(0.0, like=dt)
+    with for_range(0, particles.place.shape[0]) as p:
+        heaviest.value = maximum(heaviest.value, particles.state[p, columns_of(zero, particles.deformation).mass])
+    least, last, count = least_mass(grid, heaviest.value), faces.force.shape[1] - 1, nodes.inertia.shape[1]
+    series, turns, velocity = scheme.series is not None, full_mass(scheme), nodes.velocity
+    many, sums = strips.passed.shape[0] > 1, strips.total
+    nothing, added, sums_at_nodes = sums[0].head(0), sums[0].head(len(zero)), sums[1].head(2 + len(zero))
+    state, at_nodes = (scheme, grid, particles, nodes, strips, first), (zero, nodes, strips)
+    refine = partial(passes.refine, scheme, grid, particles, nodes, faces, strips, first, least)
+    status, done, record, written, passed = (Variable(x, like=begin) for x in (COMPLETED, end, 0, output, PASSED))
+    with when(many & equal(begin, end)):
+        passes.sort(scheme, grid, particles, strips, begin)
+    with while_loop(lambda: histories.step[record.value] < begin, like=begin):
+        record.value += 1
+    with leavable(begin) as leave, for_range(begin, end) as n:
+
+        def stop(condition, code, steps) -> None:
+            with when(condition):
+                status.value, done.value = code, steps
+            leave(condition)
+
+        sorted_at = strips.sorting[0]
+        due = many & (equal(sorted_at, UNSORTED) | equal(n - sorted_at, INTERVAL))
+        stop(equal(cond(due, lambda: passes.sort(scheme, grid, particles, strips, n), PASSED), FAILED), LEFT_GRID, n)
+        with when(due | equal(n, 0) | (equal(n % ARRANGED, 0) & logical_not(scheme.total))):
+            passes.arrange(*state)
+        forces, recorded = logical_not(equal(scheme.schedule, USF)) | equal(n, 0), equal(histories.step[record.value], n)
         step = Step(body, n - begin, n, dt, recorded, forces, n < last)
-        if to_grid(scheme, grid, particles, nodes, strips, 0, step) == FAILED:
-            return LEFT_GRID, n, output
+        stop(equal(passes.to_grid(*state, step), FAILED), LEFT_GRID, n)
         join(grid, nodes.inertia, with_mass(0.0, zero))
-        nodal_velocity(zero, nodes, strips, velocity, least, 0.0, 0.0, added, 0, count)
+        passes.nodal_velocity(*at_nodes, velocity, least, 0.0, 0.0, added, 0, count)
         hold_velocity(grid, nodes, faces, n, velocity, added)
-        sums = velocity if turns else nodes.projected
-        if series is not None and not turns:
-            sums[:] = 0.0
-        refine(series, scheme, grid, particles, nodes, faces, strips, least, velocity, sums, 0.0, added)
-        if not forces:
-            passed = strain_particles(scheme, grid, particles, nodes, strips, 0, step)
-            if passed == FAILED:
-                return INVERTED, n, output
+        if series:
+            clear_correction(zero, nodes)
+            refine(velocity, where(turns, velocity, nodes.projected), valued(0.0, begin), added)
+        with when(logical_not(forces)):
+            stop(equal(passes.strain_particles(*state, step), FAILED), INVERTED, n)
             add_heat(strips, running)
         join(grid, nodes.internal, zero)
         join(grid, nodes.external, zero)
-        weigh(zero, nodes, nodal_body, n - begin)
-        accelerate(zero, nodes, strips, velocity, least, 0.0, 0.0, nothing, 0, count)
+        weigh(scheme, zero, nodes, body, n - begin)
+        passes.accelerate(*at_nodes, velocity, least, 0.0, 0.0, nothing, 0, count)
         load_faces(nodes, faces, least, n)
         hold_acceleration(grid, nodes, faces, n, dt)
-        if turns:
-            sums = nodes.acceleration
-            refine(series, scheme, grid, particles, nodes, faces, strips, least, sums, sums, 1.0, added)
-        recording = outputs.step[output] == n
-        if recording:
-            first, stop = strips.particles[0], strips.particles[-1]
-            record_fields(scheme, grid, particles, nodes, outputs, output, n, dt, first, stop)
+        if series:
+            with when(turns):
+                refine(nodes.acceleration, nodes.acceleration, valued(1.0, begin), added)
+        recording = equal(outputs.step[written.value], n)
+        with when(recording):
+            begin_at, end_at = strips.particles[0], strips.particles[-1]
+            record_fields(scheme, grid, particles, nodes, outputs, written.value, n, dt, begin_at, end_at)
         kick, leap = leapfrog(n, dt)
-        kick_nodes(zero, nodes, strips, velocity, least, kick, leap, sums_at_nodes, 0, count)
-        add_up(zero, scheme, histories, record, running, added, sums_at_nodes, n, dt)
-        passed = grid_to_particles(scheme, grid, particles, nodes, strips, 0, step)
-        if recorded:
-            status = record_sums(zero, strips, histories, record, running)
-            if status != COMPLETED:
-                return status, n, output
-            record += 1
-        output += recording
-        if n == last:
-            break
-        if scheme.schedule == USL:
+        passes.kick_nodes(*at_nodes, velocity, least, kick, leap, sums_at_nodes, 0, count)
+        add_up(zero, scheme, histories, record.value, running, added, sums_at_nodes, n, dt)
+        passed.value = passes.grid_to_particles(*state, step)
+        with when(recorded):
+            found = record_sums(zero, strips, histories, record.value, running)
+            stop(logical_not(equal(found, COMPLETED)), found, n)
+            record.value += 1
+        written.value += where(recording, 1, 0)
+        leave(equal(n, last))
+        with when(equal(scheme.schedule, USL)):
             add_heat(strips, running)
-        if scheme.schedule == MUSL:
-            fits_to_grid(scheme, grid, particles, nodes, strips, 0, Step(body, n - begin, n, dt, recorded, False, True))
+        with when(equal(scheme.schedule, MUSL)):
+            passes.fits_to_grid(*state, Step(body, n - begin, n, dt, recorded, valued(False, n), valued(True, n)))
             join(grid, nodes.inertia, with_mass(0.0, zero))
-            nodal_velocity(zero, nodes, strips, nodes.projected, least, 0.0, 0.0, added, 0, count)
+            passes.nodal_velocity(*at_nodes, nodes.projected, least, 0.0, 0.0, added, 0, count)
             hold_velocity(grid, nodes, faces, n + 1, nodes.projected, added)
-            if turns:
-                sums = nodes.projected
-                refine(series, scheme, grid, particles, nodes, faces, strips, least, sums, sums, 0.0, added)
-            passed = strain_particles(scheme, grid, particles, nodes, strips, 0, step)
+            if series:
+                with when(turns):
+                    refine(nodes.projected, nodes.projected, valued(0.0, begin), added)
+            passed.value = passes.strain_particles(*state, step)
             add_heat(strips, running)
-        if passed == FAILED:
-            return INVERTED, n + 1, output
-        if passed == STRAYED:
-            strips.sorting[0] = UNSORTED
-    return COMPLETED, end, output
+        stop(equal(passed.value, FAILED), INVERTED, n + 1)
+        strips.sorting[0] = where(equal(passed.value, STRAYED), UNSORTED, strips.sorting[0])
+    return status.value, done.value, written.value
 
 
-def _assembled(name: str, passes: dict[str, Any], **options: bool) -> Any:
-    """The loop with its passes, without reference counting: it allocates nothing, and reference counting would double the compilation time."""
-    name = f"{name}_{SOURCES:08x}"
-    series = compiled(refine, passes, f"refine_of_{name}", **WITHOUT_ENTRY, _nrt=False)
-    return compiled(march_through, passes | {"refine": series}, name, cache=True, no_cfunc_wrapper=True, _nrt=False, **options)
+def _assembled(name: str, passes: SimpleNamespace) -> Compiled:
+    """The loop with its passes."""
+    return Compiled(partial(march_through, SimpleNamespace(**vars(passes), refine=refining(passes))), name, SOURCES)
 
 
 march = _assembled("march", IN_TURN)
 """Loop in one thread, over one strip."""
-march_in_threads = _assembled("march_in_threads", IN_THREADS, nogil=True)
-"""Loop over several strips; call `numba.get_num_threads()`, which starts the threads, before its first call in a process."""
+march_in_threads = _assembled("march_in_threads", IN_THREADS)
+"""Loop over several strips; `start_threads` comes before its first use in a process."""

@@ -23,7 +23,7 @@ from mpmverify.problem import (
 )
 from mpmverify.solution import Solution, Work
 
-from ..tracing import entry, start_threads
+from ..tracing import start_threads
 from . import formal_orders, loop, passes
 from .acceptance import check
 from .affine import AFFINE
@@ -207,8 +207,8 @@ class MaterialPoint:
             start_threads()  # a loop from the disk cache takes them for granted
             march = loop.march_in_threads
         at_rest = (*state, *record, np.zeros((0, 0, 0)), 0, 0, 0)
-        advance = entry(march, at_rest)
-        advance(*at_rest)  # takes no pass
+        advance = march.entry(*at_rest)
+        advance(*at_rest)
 
         started = time.perf_counter()
         points = node_positions(axes) if self.body_force_at == "nodes" else reference

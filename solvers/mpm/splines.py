@@ -1,6 +1,6 @@
 """B-splines of the grid, also with the gradients of moving least squares or with Taylor least squares in the cells.
 
-A kind of basis is a class of empty tuples, which is a type to numba; its methods run while the time loop is traced. What a kind has:
+A kind of basis is a class of empty tuples, which tells compiled loops apart; its methods run while the time loop is traced. What a kind has:
 
 domains : bool
     Whether a particle has a domain, so that its whole deformation gradient is kept.

@@ -4,6 +4,7 @@ The strips and parts do not depend on the number of threads, and so neither do t
 """
 
 from functools import wraps
+from types import SimpleNamespace
 from typing import Any
 
 from ..tracing import for_range, outlined, parallel_for, traced, where
@@ -61,8 +62,8 @@ def _over_parts(one: Any) -> Any:
     return traced(over_parts)
 
 
-def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
-    """Passes by name, with `to_grid`, which combines all passes to the grid, and `fits_to_grid`, the same once more for fitted bases."""
+def _with_grid(of_particles: list[Any], of_nodes: list[Any], sort: Any) -> SimpleNamespace:
+    """Passes, with `sort`, `to_grid`, which combines all passes to the grid, and `fits_to_grid`, the same once more for fitted bases."""
     passes = {one.__name__: one for one in of_particles + of_nodes}
 
     def all_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
@@ -83,16 +84,13 @@ def _with_grid(of_particles: list[Any], of_nodes: list[Any]) -> dict[str, Any]:
     def fits_to_grid(scheme, grid, particles, nodes, strips, s, step) -> int:
         return twice(scheme, grid, particles, nodes, strips, s, step) if grid.kind.fitted else PASSED
 
-    again = {"to_grid": traced(to_grid), "fits_to_grid": traced(fits_to_grid)}
-    return passes | again | {"strain_particles": outlined(passes["strain_particles"])}
+    more = {"to_grid": traced(to_grid), "fits_to_grid": traced(fits_to_grid), "sort": sort}
+    return SimpleNamespace(**passes | more | {"strain_particles": outlined(passes["strain_particles"])})
 
 
 OF_PARTICLES = [particles_to_grid, grid_to_particles, strain_particles, smooth, arrange, fit_cells, spread_fits]
 OF_NODES = [clear, nodal_velocity, accelerate, kick_nodes]
-IN_TURN = _with_grid(OF_PARTICLES, OF_NODES) | {"sort": no_sort}
+IN_TURN = _with_grid(OF_PARTICLES, OF_NODES, no_sort)
 """Passes of the loop in one thread, over one strip."""
-IN_THREADS = _with_grid([_over_strips(one) for one in OF_PARTICLES], [_over_parts(one) for one in OF_NODES]) | {
-    "sort": outlined(sort)
-}
+IN_THREADS = _with_grid([_over_strips(one) for one in OF_PARTICLES], [_over_parts(one) for one in OF_NODES], outlined(sort))
 """Passes of the loop in several threads, over several strips."""
-to_grid, fits_to_grid = IN_TURN["to_grid"], IN_TURN["fits_to_grid"]

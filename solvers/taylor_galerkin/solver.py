@@ -4,6 +4,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 
 from mpmverify.errors import UsageError
@@ -25,7 +26,6 @@ from mpmverify.problem import (
 )
 from mpmverify.solution import Outcome, Solution, Status, Work
 
-from ..tracing import entry
 from .kernel import march
 
 MARGIN = 10.0
@@ -209,7 +209,9 @@ class TaylorGalerkin:
         made, failed, seconds, largest_source = 0, False, 0.0, 0.0
         history = total, square, gain, work, ends
         fixed = U, form, faces, source, self.passes, mass, h, dt
-        advance = entry(march, (*fixed, 0, 0, bound * instants, row, fields, history))
+        types = tuple(map(numba.typeof, (*fixed, 0, 0, bound * instants, row, fields, history)))
+        march.compile(types)
+        advance = march.get_overload(types)  # does not find out the types at each call
         while made < steps and not failed:
             end = min(made + block, steps)
             if problem.body_force is not None:

@@ -2,13 +2,13 @@
 
 What belongs here: values and arrays of compiled code, arithmetic and elementary functions on scalars and on vectors of `LANES` doubles,
 control flow at run time, functions that calls share, loops in threads, and the compilation and its cache. Nothing else in the
-repository imports llvmlite or `numba.core`. What does not belong here: anything of a numerical method or of mechanics, such as
+repository imports llvmlite. What does not belong here: anything of a numerical method or of mechanics, such as
 particles, grids, tensors or laws. The handbook's page `tracing` tells how a traced function differs from Python.
 """
 
 from .arrays import Array, Consecutive, Pointer, Table
-from .compilation import ARITHMETIC, WITHOUT_ENTRY, checksum, compiled, entry
-from .control import Variable, cond, for_range, for_strides, switch, when, while_loop
+from .compilation import Compiled, checksum
+from .control import Variable, cond, for_range, for_strides, leavable, switch, when, while_loop
 from .elementary import acos, asinh, atanh, cos, exp, expm1, log, power
 from .lanes import (
     absolute,
@@ -33,13 +33,12 @@ from .rows import add_sums, load_row, load_rows, store_rows
 from .selection import equal, logical_not, where
 from .threads import parallel_for, start_threads
 from .tracer import traced
-from .values import LANES, Value, as_double
+from .values import LANES, Value, as_double, valued
 
 __all__ = [
-    "ARITHMETIC",
     "LANES",
-    "WITHOUT_ENTRY",
     "Array",
+    "Compiled",
     "Consecutive",
     "Pointer",
     "Table",
@@ -54,11 +53,9 @@ __all__ = [
     "asinh",
     "atanh",
     "checksum",
-    "compiled",
     "cond",
     "cos",
     "count_leading",
-    "entry",
     "equal",
     "exp",
     "expm1",
@@ -68,6 +65,7 @@ __all__ = [
     "for_strides",
     "has_lanes",
     "leading_ones",
+    "leavable",
     "load_row",
     "load_rows",
     "log",
@@ -87,6 +85,7 @@ __all__ = [
     "switch",
     "traced",
     "unpack",
+    "valued",
     "when",
     "where",
     "while_loop",

@@ -1,12 +1,35 @@
 """Arrays of compiled code, addresses in them, and small tables on the stack."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 from llvmlite import ir
-from numba.core import cgutils, types
 
-from .values import DOUBLE, INTEGER, LANES, VECTOR, Value, as_code, promoted, rank, shuffle
+from .values import DOUBLE, FUSED, INTEGER, LANES, VECTOR, Value, as_code, on_stack, promoted, rank, shuffle
+
+
+class Kind(NamedTuple):
+    """Kind of an array.
+
+    dtype : numpy.dtype
+        Of the elements: doubles or integers.
+    axes : int
+        Their number.
+    mutable : bool
+        Whether elements may be written.
+    """
+
+    dtype: "np.dtype[Any]"
+    axes: int
+    mutable: bool
+
+    def __str__(self) -> str:
+        return f"{'an' if self.mutable else 'a read-only'} array of {self.dtype.name} with {self.axes} axes"
+
+    @property
+    def element(self) -> ir.Type:
+        return DOUBLE if self.dtype.kind == "f" else ir.IntType(8 * self.dtype.itemsize)
 
 
 class Consecutive:
@@ -23,18 +46,15 @@ class Array:
 
     Parameters
     ----------
-    context : numba target context
     builder : IRBuilder
-    kind : numba.types.Array
+    kind : Kind
     data : ir.Value
         Address of the first element.
     shape : sequence of ir.Value
     """
 
-    def __init__(
-        self, context: Any, builder: ir.IRBuilder, kind: types.Array, data: ir.Value, shape: Sequence[ir.Value]
-    ) -> None:
-        self.context, self.builder, self.kind, self.data = context, builder, kind, data
+    def __init__(self, builder: ir.IRBuilder, kind: Kind, data: ir.Value, shape: Sequence[ir.Value]) -> None:
+        self.builder, self.kind, self.data = builder, kind, data
         self.shape = tuple(Value(builder, length) for length in shape)
 
     def pointer(self, *index: Any) -> "Pointer":
@@ -51,13 +71,19 @@ class Array:
         for axis, length in enumerate(self.shape):
             k = index[axis] if axis < len(index) else 0
             place = place * length + (length + k if isinstance(k, int) and k < 0 else k)
-        return Pointer(self.context, self.builder, self.kind, self.data).offset(place)
+        return Pointer(self.builder, self.kind, self.data).offset(place)
+
+    def head(self, count: Any) -> "Array":
+        """Return the first `count` elements or parts along the first axis."""
+        first = as_code(self.builder, count, INTEGER)
+        return Array(self.builder, self.kind, self.data, [first, *(length.code for length in self.shape[1:])])
 
     def __getitem__(self, index: Any) -> Any:
         *before, last = index if isinstance(index, tuple) else (index,)
         if len(before) + 1 < len(self.shape):
             lengths = [length.code for length in self.shape[len(before) + 1 :]]
-            return Array(self.context, self.builder, self.kind, self.pointer(*before, last).address, lengths)
+            kind = self.kind._replace(axes=len(lengths))
+            return Array(self.builder, kind, self.pointer(*before, last).address, lengths)
         if isinstance(last, Consecutive):
             return Value(self.builder, self.pointer(*before, last.first).load_vector(VECTOR))
         return self.pointer(*before, last).load()
@@ -75,17 +101,19 @@ class Array:
 class Pointer:
     """Address of an element of an array."""
 
-    def __init__(self, context: Any, builder: ir.IRBuilder, kind: types.Array, address: ir.Value) -> None:
-        self.context, self.builder, self.kind, self.address = context, builder, kind, address
+    def __init__(self, builder: ir.IRBuilder, kind: Kind, address: ir.Value) -> None:
+        self.builder, self.kind, self.address = builder, kind, address
 
     def offset(self, k: Any) -> "Pointer":
         """Return the address of the element that is k further on."""
-        return Pointer(self.context, self.builder, self.kind, self._beyond(k))
+        return Pointer(self.builder, self.kind, self._beyond(k))
 
     def load(self, k: int = 0) -> Value:
         """Return the element that is k further on; integers are widened to 64 bits."""
-        kind, found = self.kind.dtype, self.builder.load(self._beyond(k), typ=self._element)
-        return Value(self.builder, widened(self.context, self.builder, kind, found))
+        found, dtype = self.builder.load(self._beyond(k), typ=self.kind.element), self.kind.dtype
+        if dtype.kind != "f" and dtype.itemsize < 8:
+            found = (self.builder.zext if dtype.kind == "u" else self.builder.sext)(found, INTEGER)
+        return Value(self.builder, found)
 
     def store(self, x: Any, k: int = 0) -> None:
         """Write to the element that is k further on.
@@ -95,9 +123,9 @@ class Pointer:
         TypeError
             If the array is read-only or its elements cannot hold the value.
         """
-        kind = self.kind.dtype
-        if isinstance(kind, types.Integer) and self.kind.mutable and rank(x) == 1:
-            code = self.context.cast(self.builder, as_code(self.builder, x, INTEGER), types.intp, kind)
+        if self.kind.dtype.kind != "f" and self.kind.mutable and rank(x) == 1:
+            code = as_code(self.builder, x, INTEGER)
+            code = self.builder.trunc(code, self.kind.element) if self.kind.dtype.itemsize < 8 else code
         else:
             self._check_doubles(written=True)
             code = as_code(self.builder, x, DOUBLE)
@@ -111,7 +139,7 @@ class Pointer:
         """Add `count` lanes of a vector, from lane `first` on, to as many consecutive elements."""
         lanes = list(range(first, first + count))
         some = x.code if len(lanes) == LANES else shuffle(self.builder, x.code, x.code, lanes)
-        self.store_vector(self.builder.fadd(self.load_vector(some.type), some))
+        self.store_vector(self.builder.fadd(self.load_vector(some.type), some, flags=FUSED))
 
     def load_vector(self, kind: ir.VectorType) -> ir.Value:
         """Return as many consecutive doubles as a type of vector holds; TypeError for other elements."""
@@ -123,15 +151,11 @@ class Pointer:
         self._check_doubles(written=True)
         self.builder.store(vector, self.builder.bitcast(self.address, vector.type.as_pointer()), align=8)
 
-    @property
-    def _element(self) -> ir.Type:
-        return self.context.get_data_type(self.kind.dtype)
-
     def _beyond(self, k: Any) -> ir.Value:
-        return self.builder.gep(self.address, [as_code(self.builder, k, INTEGER)], source_etype=self._element)
+        return self.builder.gep(self.address, [as_code(self.builder, k, INTEGER)], source_etype=self.kind.element)
 
     def _check_doubles(self, *, written: bool) -> None:
-        if self.kind.dtype != types.float64 or (written and not self.kind.mutable):
+        if self.kind.dtype.kind != "f" or (written and not self.kind.mutable):
             raise TypeError(f"{self.kind} is no {'writable ' if written else ''}array of doubles")
 
 
@@ -149,7 +173,7 @@ class Table:
         builder = like.builder
         items = promoted(builder, *values)
         self.builder, self.kind = builder, items[0].type
-        self.place = cgutils.alloca_once(builder, self.kind, size=len(items))
+        self.place = on_stack(builder, self.kind, len(items))
         for k, item in enumerate(items):
             builder.store(item, self._address(INTEGER(k)))
 
@@ -158,8 +182,3 @@ class Table:
 
     def _address(self, k: ir.Value) -> ir.Value:
         return self.builder.gep(self.place, [k], inbounds=True, source_etype=self.kind)
-
-
-def widened(context: Any, builder: ir.IRBuilder, kind: types.Type, code: ir.Value) -> ir.Value:
-    """Code of a number with integers widened to 64 bits."""
-    return context.cast(builder, code, kind, types.intp) if isinstance(kind, types.Integer) else code

@@ -1,25 +1,33 @@
-"""Jitted functions out of traced ones, and what tells numba's disk cache that a source has changed."""
+"""Compiled functions: a traced function is called once with values for its arguments, and what it emits becomes machine code.
 
-import types
+Python runs the traced function once for each combination of kinds of arguments. Object code is kept on the disk, if a folder of
+sources is named, under a name that changes with the sources, the kinds and the machine.
+"""
+
+import hashlib
+import itertools
 import zlib
 from collections.abc import Callable
+from ctypes import CFUNCTYPE, c_void_p
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-from numba import njit, typeof
+import numpy as np
+from llvmlite import ir
 
-ARITHMETIC: dict[str, Any] = {"fastmath": {"contract"}, "error_model": "numpy"}
-"""Options of `numba.njit`: products and sums may be fused, and a division by zero is no error."""
-WITHOUT_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Options of what Python never calls: entries take a third of the time of compilation."""
+from . import arguments as border
+from . import disk
+from .machine import address_of, identity, object_code
+from .values import INTEGER
+
+NUMBERS = itertools.count()
+"""Counter that makes the names of functions unique that are not on the disk."""
+ENTRY = CFUNCTYPE(None, c_void_p, c_void_p)
+"""What Python calls: the addresses of the slots of the arguments and of the result. Other threads of Python run meanwhile."""
 
 
 def checksum(folder: Path) -> int:
     """Checksum of the Python files in a folder and of the tracing compiler.
-
-    Numba's disk cache watches the file of a jitted function only, not those of the traced functions that it inlines. As a part of
-    the name of the jitted function the checksum gives each version of the files an index of its own. This matters beyond old code: an
-    index refers to the classes of arguments, and numba fails to read it once one of them has moved.
 
     Parameters
     ----------
@@ -30,31 +38,97 @@ def checksum(folder: Path) -> int:
     return zlib.crc32(b"".join(path.read_bytes() for path in paths))
 
 
-def compiled(function: Callable[..., Any], names: dict[str, object], name: str, **options: bool) -> Any:
-    """Compile a copy of a function in which some of its global names have other meanings.
+class Entry:
+    """Compiled code for arguments of some kinds; a call does not look at the kinds again.
 
     Parameters
     ----------
-    function : function
-    names : dict
-        Meanings by name.
-    name : str
-        Of the copy: numba's disk cache tells the functions of a module apart by their names.
-    **options : bool
-        Of `numba.njit`, beside `ARITHMETIC`.
+    address : int
+    form : list, int or None
+        Form of the result, see `arguments.form_of`.
     """
-    assert isinstance(function, types.FunctionType)
-    copy = types.FunctionType(function.__code__, function.__globals__ | names, name, function.__defaults__)
-    copy.__module__, copy.__qualname__ = function.__module__, name
-    return njit(**ARITHMETIC, **cast(dict[str, Any], options))(copy)
+
+    def __init__(self, address: int, form: Any) -> None:
+        self._run, self._form, self._room = ENTRY(address), form, border.room(form)
+
+    def __call__(self, *arguments: Any) -> Any:
+        slots, result = border.slots_of(arguments), np.empty(self._room, dtype=np.int64)
+        self._run(slots.ctypes.data, result.ctypes.data)
+        return border.read(self._form, iter(result))
 
 
-def entry(function: Any, arguments: tuple[Any, ...]) -> Any:
-    """Compile a jitted function for the types of some arguments, and return what numba calls then.
+class Compiled:
+    """A traced function that Python calls.
 
-    A call of the result does not look at the types again: they must be the same. Numba finds out the types of named tuples in Python, a
-    millisecond at each call of a function that takes several.
+    Parameters
+    ----------
+    function : callable
+        Of numbers, C-contiguous arrays of doubles or integers, None, and tuples of these; returns numbers, None, or tuples of these.
+        Named tuples that it returns become plain ones.
+    name : str, optional
+        Of the function on the disk.
+    sources : Path, optional
+        Folder of the code that is compiled; without it nothing is kept on the disk.
+
+    Attributes
+    ----------
+    from_disk, made : int
+        Numbers of entries that were found on the disk, and that were compiled.
+
+    Raises
+    ------
+    TypeError
+        When a call is compiled, if the function branches on a value or uses one as the wrong type.
+    RuntimeError
+        When a call is compiled, if LLVM refuses the code.
     """
-    types = typeof(arguments).types
-    function.compile(types)
-    return function.get_overload(types)
+
+    def __init__(self, function: Callable[..., Any], name: str = "", sources: Path | None = None) -> None:
+        self._function, self._name, self._sources = function, name, sources
+        self._entries: dict[Any, Entry] = {}
+        self.from_disk = self.made = 0
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.entry(*arguments)(*arguments)
+
+    def entry(self, *arguments: Any) -> Entry:
+        """Return the code for arguments of these kinds; it is compiled if need be, and not run."""
+        kinds = border.kinds_of(arguments)
+        if kinds not in self._entries:
+            self._entries[kinds] = self._found(kinds)
+        return self._entries[kinds]
+
+    def _found(self, kinds: Any) -> Entry:
+        """Entry from the disk, or else compiled."""
+        folder = disk.folder_for(self._sources) if self._sources else None
+        if folder is None or self._sources is None:
+            name = f"entry_{next(NUMBERS)}"
+            code, form = self._made(kinds, name)
+        else:
+            said = f"{checksum(self._sources)} {identity()} {border.spelled(kinds)}"
+            name = f"{self._name}-{hashlib.sha256(said.encode()).hexdigest()[:32]}"
+            kept = disk.read(folder / f"{name}.code")
+            if kept is None:
+                code, form = self._made(kinds, name)
+                disk.write(folder / f"{name}.code", code, form)
+            else:
+                code, form = kept
+                self.from_disk += 1
+        return Entry(address_of(code, name), form)
+
+    def _made(self, kinds: Any, name: str) -> tuple[bytes, Any]:
+        """Object code with a function of this name, and the form of its result."""
+        self.made += 1
+        module = ir.Module(name)
+        main = ir.Function(module, ir.FunctionType(ir.VoidType(), [border.SLOTS] * 2), name)
+        builder = ir.IRBuilder(main.append_basic_block())
+        slots, room = main.args
+        codes = (
+            builder.load(builder.gep(slots, [INTEGER(k)], inbounds=True, source_etype=INTEGER), typ=INTEGER)
+            for k in range(border.count_slots(kinds))
+        )
+        result = self._function(*border.loaded(builder, kinds, codes))
+        form = border.form_of(result)
+        border.store(builder, result, room)
+        builder.ret_void()
+        return object_code(module), form

@@ -10,11 +10,10 @@ from functools import partial
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils
 
 from .arrays import Array
 from .selection import equal
-from .values import INTEGER, KINDS, Value, as_code, rank
+from .values import INTEGER, KINDS, Value, as_code, on_stack, rank
 
 
 @contextmanager
@@ -31,8 +30,18 @@ def for_range(begin: Any, end: Any, step: int = 1, like: Any = None) -> Iterator
     """
     (builder, *_) = (x.builder for x in (begin, end, like) if isinstance(x, Value | Array))
     first, last, by = (as_code(builder, x, INTEGER) for x in (begin, end, step))
-    with cgutils.for_range_slice(builder, first, last, by) as (i, _):
-        yield Value(builder, i)
+    before = builder.block
+    check, body, after = (builder.append_basic_block(name) for name in ("check", "body", "after"))
+    builder.branch(check)
+    builder.position_at_end(check)
+    i = builder.phi(INTEGER)
+    builder.cbranch(builder.icmp_signed("<", i, last), body, after)
+    builder.position_at_end(body)
+    yield Value(builder, i)
+    i.add_incoming(first, before)
+    i.add_incoming(builder.add(i, by), builder.block)
+    builder.branch(check)
+    builder.position_at_end(after)
 
 
 @contextmanager
@@ -68,6 +77,28 @@ def for_strides(begin: Any, end: Any) -> Iterator[tuple[Any, Callable[[Any], Non
             place.value = i + stride
 
         yield i, advance
+
+
+@contextmanager
+def leavable(like: Any) -> Iterator[Callable[[Any], None]]:
+    """Code that can be left before its end; yields `leave`, and `leave(condition)` goes on after the code if the condition holds.
+
+    Parameters
+    ----------
+    like : Value or Array
+        Any value or array of the enclosing traced function.
+    """
+    builder = like.builder
+    after = builder.append_basic_block("after")
+
+    def leave(condition: Any) -> None:
+        stays = builder.append_basic_block("stays")
+        builder.cbranch(condition.code, after, stays)
+        builder.position_at_end(stays)
+
+    yield leave
+    builder.branch(after)
+    builder.position_at_end(after)
 
 
 @contextmanager
@@ -114,7 +145,7 @@ def _merged(builder: ir.IRBuilder, a: tuple[Any, ir.Block], b: tuple[Any, ir.Blo
     (x, from_x), (y, from_y) = a, b
     if isinstance(x, tuple):
         return tuple(_merged(builder, (p, from_x), (q, from_y)) for p, q in zip(x, y, strict=True))
-    kind = KINDS[max(rank(x), rank(y))][0]
+    kind = KINDS[max(rank(x), rank(y))]
     phi = builder.phi(kind)
     for value, block in ((x, from_x), (y, from_y)):
         with builder.goto_block(block):
@@ -136,7 +167,7 @@ class Variable:
     def __init__(self, first: Any, like: Any = None) -> None:
         kind = first if like is None else like
         self.builder, self.kind = kind.builder, kind.code.type
-        self.place = cgutils.alloca_once(self.builder, self.kind)
+        self.place = on_stack(self.builder, self.kind)
         self.value = first
 
     @property

@@ -8,11 +8,24 @@ import operator
 from functools import reduce
 
 from llvmlite import ir
-from numba.core import cgutils
 
 from .selection import where
 from .tracer import traced
-from .values import BOOLEAN, DOUBLE, INTEGER, LANES, VECTOR, Value, as_code, as_double, broadcast, shuffle
+from .values import (
+    BOOLEAN,
+    DOUBLE,
+    FUSED,
+    INTEGER,
+    LANES,
+    NUMBER,
+    VECTOR,
+    Value,
+    as_code,
+    as_double,
+    broadcast,
+    external,
+    shuffle,
+)
 
 # Scalars or vectors have no annotation.
 # mypy: disable-error-code="no-untyped-def"
@@ -25,7 +38,7 @@ def pack(items):
         return items[0]
     vector, builder = ir.Constant(VECTOR, ir.Undefined), next(item.builder for item in items if isinstance(item, Value))
     for k, item in enumerate(items):
-        vector = builder.insert_element(vector, as_code(builder, item, DOUBLE), cgutils.int32_t(k))
+        vector = builder.insert_element(vector, as_code(builder, item, DOUBLE), NUMBER(k))
     return Value(builder, vector)
 
 
@@ -33,7 +46,7 @@ def unpack(value, count=1):
     """Scalars of the lanes of a vector; a scalar `count` times."""
     if not has_lanes(value):
         return [value] * count
-    return [Value(value.builder, value.builder.extract_element(value.code, cgutils.int32_t(k))) for k in range(LANES)]
+    return [Value(value.builder, value.builder.extract_element(value.code, NUMBER(k))) for k in range(LANES)]
 
 
 def has_lanes(value) -> bool:
@@ -45,8 +58,7 @@ def _intrinsic(name: str, value: Value) -> Value:
     """Call an intrinsic function of LLVM."""
     builder, kind = value.builder, value.code.type
     full = f"llvm.{name}.{'f64' if kind == DOUBLE else f'v{LANES}f64'}"
-    function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(kind, [kind]), full)
-    return Value(builder, builder.call(function, [value.code]))
+    return Value(builder, builder.call(external(builder, full, ir.FunctionType(kind, [kind])), [value.code], fastmath=FUSED))
 
 
 @traced
@@ -98,7 +110,7 @@ def reduce_sums(values) -> Value:
     # Pairs of vectors are added until each lane holds one sum.
     for even, odd in ([0, 4, 2, 6], [1, 5, 3, 7]), ([0, 1, 4, 5], [2, 3, 6, 7]):
         pairs = zip(codes[::2], codes[1::2], strict=True)
-        codes = [builder.fadd(shuffle(builder, a, b, even), shuffle(builder, a, b, odd)) for a, b in pairs]
+        codes = [builder.fadd(shuffle(builder, a, b, even), shuffle(builder, a, b, odd), flags=FUSED) for a, b in pairs]
     return Value(builder, codes[0])
 
 
@@ -129,8 +141,8 @@ def _equal_doubles(a: Value, b: Value) -> Value:
 def count_leading(mask: Value) -> Value:
     """Number of lanes, from lane 0 on, before the first in which a mask is false."""
     builder = mask.builder
-    bits = builder.zext(builder.bitcast(builder.not_(mask.code), ir.IntType(LANES)), cgutils.int32_t)
-    count = builder.cttz(builder.or_(bits, cgutils.int32_t(1 << LANES)), cgutils.false_bit)
+    bits = builder.zext(builder.bitcast(builder.not_(mask.code), ir.IntType(LANES)), NUMBER)
+    count = builder.cttz(builder.or_(bits, NUMBER(1 << LANES)), BOOLEAN(0))
     return Value(builder, builder.zext(count, INTEGER))
 
 

@@ -10,12 +10,11 @@ from functools import wraps
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils
 
 from .arrays import Array
 from .tracer import traced
 from .trees import builder_of, flatten, unflatten
-from .values import INTEGER, LANES, VECTOR, Value, as_code
+from .values import INTEGER, LANES, VECTOR, Value, as_code, on_stack
 
 BYTES = ir.IntType(8).as_pointer()
 """An address of anything."""
@@ -27,7 +26,7 @@ def stored(builder: ir.IRBuilder, tree: Any) -> ir.Value:
     """Store what a tree consists of on the stack, and return the address."""
     codes = flatten(tree)
     first, count = _slots(codes)
-    data = cgutils.alloca_once(builder, INTEGER, size=count)
+    data = on_stack(builder, INTEGER, count)
     for k, code in zip(first, codes, strict=True):
         builder.store(code, _slot(builder, data, k, code.type), align=8)
     return builder.bitcast(data, BYTES)
@@ -81,7 +80,7 @@ def _types(tree: Any) -> Any:
     if isinstance(tree, tuple):
         return type(tree).__name__, *map(_types, tree)
     if isinstance(tree, Array):
-        return str(tree.kind), len(tree.shape)
+        return tree.kind
     if tree is None:
         return None
     if not isinstance(tree, Value):

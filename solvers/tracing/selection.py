@@ -27,7 +27,7 @@ def where(condition: Any, x: Any, y: Any) -> Any:
     if isinstance(x, Array):
         data = x.builder.select(condition.code, x.data, y.data)
         lengths = [where(condition, a, b).code for a, b in zip(x.shape, y.shape, strict=True)]
-        return Array(x.context, x.builder, x.kind, data, lengths)
+        return Array(x.builder, x.kind, data, lengths)
     a, b = promoted(condition.builder, x, y)
     if isinstance(condition.code.type, ir.VectorType):
         a, b = (as_code(condition.builder, Value(condition.builder, code), VECTOR) for code in (a, b))

@@ -9,10 +9,10 @@ from typing import Any
 
 import numba
 from llvmlite import binding, ir
-from numba.core import cgutils
 
+from .control import for_range
 from .outline import BYTES, new_function, reloaded, stored
-from .values import INTEGER, Value
+from .values import INTEGER, NUMBER, Value, external, on_stack
 
 TASK = ir.FunctionType(ir.VoidType(), [BYTES.as_pointer(), INTEGER.as_pointer(), INTEGER.as_pointer(), BYTES])
 """What a thread runs: addresses of its first rounds, of their number and of the step, and the shared data.
@@ -52,17 +52,19 @@ def parallel_for(count: Value, shared: tuple[Any, ...]) -> Iterator[tuple[Value,
         there = reloaded(inside, address, shared)
         first = inside.sub(*(inside.ptrtoint(one, INTEGER) for one in (inside.load(starts, typ=BYTES), address)))
         last = inside.add(first, inside.load(counts, typ=INTEGER))
-        with cgutils.for_range_slice(inside, first, last, INTEGER(1)) as (k, _):
-            yield Value(inside, k), there
+        with for_range(Value(inside, first), Value(inside, last)) as k:
+            yield k, there
         inside.ret_void()
-    start, total, step = (cgutils.alloca_once_value(builder, x) for x in (data, count.code, INTEGER(1)))
+    start, total, step = (on_stack(builder, kind) for kind in (BYTES, INTEGER, INTEGER))
+    for code, place in ((data, start), (count.code, total), (INTEGER(1), step)):
+        builder.store(code, place)
     if not start_threads():
         builder.call(task, [start, total, step, data])
         return
     pointers = [builder.bitcast(one, BYTES) for one in (task, start, total, step, data)]
-    threads = cgutils.get_or_insert_function(builder.module, ir.FunctionType(INTEGER, []), "get_num_threads")
-    launch = cgutils.get_or_insert_function(builder.module, LAUNCH, "numba_parallel_for")
-    builder.call(launch, [*pointers, INTEGER(0), INTEGER(1), builder.call(threads, [])])
+    threads = external(builder, "get_num_threads", ir.FunctionType(NUMBER, []))
+    launch = external(builder, "numba_parallel_for", LAUNCH)
+    builder.call(launch, [*pointers, INTEGER(0), INTEGER(1), builder.sext(builder.call(threads, []), INTEGER)])
 
 
 @cache

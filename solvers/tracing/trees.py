@@ -24,7 +24,7 @@ def unflatten(tree: Any, builder: ir.IRBuilder, codes: Iterator[ir.Value]) -> An
         items = [unflatten(item, builder, codes) for item in tree]
         return type(tree)(*items) if hasattr(tree, "_fields") else tuple(items)
     if isinstance(tree, Array):
-        return Array(tree.context, builder, tree.kind, next(codes), [next(codes) for _ in tree.shape])
+        return Array(builder, tree.kind, next(codes), [next(codes) for _ in tree.shape])
     return Value(builder, next(codes)) if isinstance(tree, Value) else tree
 
 

@@ -4,38 +4,18 @@ from functools import cache
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils, types
-from numba.extending import models, register_model
 
 LANES = 4
 """Number of lanes of a vector."""
-
-
-class LanesType(types.Type):
-    """Numba's type of a vector of doubles, one for each lane."""
-
-    def __init__(self) -> None:
-        super().__init__(name="Lanes")
-
-
-LANES_TYPE = LanesType()
-BOOLEAN, INTEGER, DOUBLE = ir.IntType(1), ir.IntType(64), ir.DoubleType()
+BOOLEAN, INTEGER, DOUBLE, NUMBER = ir.IntType(1), ir.IntType(64), ir.DoubleType(), ir.IntType(32)
+"""Types of values, and `NUMBER`, the type of the number of a lane or of what is on the stack."""
 VECTOR = ir.VectorType(DOUBLE, LANES)
-KINDS: tuple[tuple[ir.Type, types.Type], ...] = (
-    (BOOLEAN, types.boolean),
-    (INTEGER, types.intp),
-    (DOUBLE, types.float64),
-    (VECTOR, LANES_TYPE),
-)
-"""Kinds of values in order of promotion, each with its type in numba."""
-RANKS = {kind: rank for rank, (kind, _) in enumerate(KINDS)}
+KINDS: tuple[ir.Type, ...] = (BOOLEAN, INTEGER, DOUBLE, VECTOR)
+"""Kinds of values in order of promotion."""
+RANKS = {kind: rank for rank, kind in enumerate(KINDS)}
 """Index of each kind in `KINDS`."""
-
-
-@register_model(LanesType)
-class _LanesModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, lanes: LanesType) -> None:
-        super().__init__(manager, lanes, VECTOR)
+FUSED = ("contract",)
+"""Flags of arithmetic: a product and a sum may be fused; nothing else that changes results is allowed."""
 
 
 class Value:
@@ -48,8 +28,9 @@ class Value:
         a, b = promoted(self.builder, x, y)
         if a.type == BOOLEAN:
             raise TypeError("booleans have no arithmetic: select numbers with `where`")
-        emit = getattr(self.builder, instruction if a.type == INTEGER else f"f{instruction}")
-        return Value(self.builder, emit(a, b))
+        if a.type == INTEGER:
+            return Value(self.builder, getattr(self.builder, instruction)(a, b))
+        return Value(self.builder, getattr(self.builder, f"f{instruction}")(a, b, flags=FUSED))
 
     def _compared(self, predicate: str, y: Any) -> "Value":
         a, b = promoted(self.builder, self, y)
@@ -95,8 +76,8 @@ class Value:
         return self._operated("div", x, as_double(self))
 
     def __neg__(self) -> "Value":
-        negate = self.builder.neg if self.code.type == INTEGER else self.builder.fneg
-        return Value(self.builder, negate(self.code))
+        code = self.code
+        return Value(self.builder, self.builder.neg(code) if code.type == INTEGER else self.builder.fneg(code, flags=FUSED))
 
     def __lt__(self, y: Any) -> "Value":
         return self._compared("<", y)
@@ -156,7 +137,7 @@ def _in_lanes(number: str) -> ir.Constant:
 
 def promoted(builder: ir.IRBuilder, *items: Any) -> list[ir.Value]:
     """Code of numbers and values, all promoted to the highest of their kinds."""
-    kind = KINDS[max(map(rank, items))][0]
+    kind = KINDS[max(map(rank, items))]
     return [as_code(builder, x, kind) for x in items]
 
 
@@ -176,10 +157,32 @@ def broadcast(builder: ir.IRBuilder, code: ir.Value) -> ir.Value:
     """Copy a scalar to every lane; a vector stays as it is."""
     if isinstance(code.type, ir.VectorType):
         return code
-    first = builder.insert_element(ir.Constant(ir.VectorType(code.type, LANES), ir.Undefined), code, cgutils.int32_t(0))
+    first = builder.insert_element(ir.Constant(ir.VectorType(code.type, LANES), ir.Undefined), code, NUMBER(0))
     return shuffle(builder, first, first, [0] * LANES)
 
 
 def shuffle(builder: ir.IRBuilder, a: ir.Value, b: ir.Value, lanes: list[int]) -> ir.Value:
     """Vector of chosen lanes of two vectors; the lanes of the second are counted on from those of the first."""
-    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(cgutils.int32_t, len(lanes)), lanes))
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(NUMBER, len(lanes)), lanes))
+
+
+def valued(tree: Any, like: Any) -> Any:
+    """Return a number of Python, or a tree of numbers, as values of the function that `like` belongs to; values and arrays stay."""
+    if isinstance(tree, tuple):
+        items = [valued(item, like) for item in tree]
+        return type(tree)(*items) if hasattr(tree, "_fields") else tuple(items)
+    if isinstance(tree, bool | int | float):
+        return Value(like.builder, ir.Constant(KINDS[rank(tree)], tree))
+    return tree
+
+
+def on_stack(builder: ir.IRBuilder, kind: ir.Type, count: int = 1) -> ir.Value:
+    """Address of room for some values of a type on the stack of the function, also where the code is in a loop."""
+    with builder.goto_entry_block():
+        return builder.alloca(kind, size=count)
+
+
+def external(builder: ir.IRBuilder, name: str, kind: ir.FunctionType) -> ir.Function:
+    """Function of this name that the module does not define: an intrinsic one of LLVM, or one of the process."""
+    found = builder.module.globals.get(name)
+    return ir.Function(builder.module, kind, name) if found is None else found

@@ -134,8 +134,7 @@ def test_what_every_author_may_do_is_named_first(fault):
     assert named(fault)[0] == CAUSE[fault]
 
 
-def test_the_true_cause_is_among_the_first_three_of_most_faults_in_the_fast_code(monkeypatch):
-    monkeypatch.setenv("NUMBA_OPT", "1")
+def test_the_true_cause_is_among_the_first_three_of_most_faults_in_the_fast_code():
     cases = [(b.study, next(case for case in studies.get(b.study).cases if case.name == b.case), b.levels) for b in BENCHES]
     faults = [fault for fault in NAMED_FAULTS if fault.family == "mpm" and fault.name in OF_FAST_CODE]
     assert len(faults) == len(OF_FAST_CODE)
