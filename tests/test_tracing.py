@@ -255,6 +255,18 @@ def test_arguments_of_other_kinds_are_compiled_anew():
     assert doubled.made == 2
 
 
+def test_first_arguments_are_given_once_for_all_calls():
+    @Compiled
+    def add(total, factor, x):
+        total[0] += factor * x
+        return total[0] + x
+
+    total = np.zeros(1)
+    added = add.entry(total, 2.0, 1.0).bound(total, 2.0)
+    assert [added(x) for x in (1.0, 3.0)] == [3.0, 11.0]
+    assert total[0] == 8.0
+
+
 def test_integers_of_any_width_keep_their_sign():
     @Compiled
     def moved(x, y):

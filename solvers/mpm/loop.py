@@ -52,6 +52,7 @@ SOURCES = Path(__file__).parent
 def refining(passes: SimpleNamespace):
     """Function that adds the terms of a series, see `refine`; its calls share one compiled function."""
 
+    @traced
     def refine(scheme, grid, particles, nodes, faces, strips, first, least, values, total, reaction, added) -> int:
         """Add the terms 0 < j < k of sum_{j < k} (I - S^+ S)^j to `total` (d, n), from the velocities or accelerations `values` (d, n).
 

@@ -206,8 +206,8 @@ class MaterialPoint:
         if count >= MANY:
             start_threads()  # a loop from the disk cache takes them for granted
             march = loop.march_in_threads
-        at_rest = (*state, *record, np.zeros((0, 0, 0)), 0, 0, 0)
-        advance = march.entry(*at_rest)
+        at_rest = np.zeros((0, 0, 0)), 0, 0, 0
+        advance = march.entry(*state, *record, *at_rest).bound(*state, *record)
         advance(*at_rest)
 
         started = time.perf_counter()
@@ -221,7 +221,7 @@ class MaterialPoint:
                 points = np.empty_like(reference)
                 points[particles.place] = particles.position
             body = tabulate_body_force(problem.body_force, points, times[done:end])
-            code, done, kept = advance(*state, *record, body, done, end, kept)
+            code, done, kept = advance(body, done, end, kept)
         seconds = time.perf_counter() - started
 
         ended = End(code, done, steps, dt, reference[particles.place], particles.position, state[3])

@@ -52,9 +52,18 @@ class Entry:
         self._run, self._form, self._room = ENTRY(address), form, border.room(form)
 
     def __call__(self, *arguments: Any) -> Any:
-        slots, result = border.slots_of(arguments), np.empty(self._room, dtype=np.int64)
-        self._run(slots.ctypes.data, result.ctypes.data)
-        return border.read(self._form, iter(result))
+        return self.bound()(*arguments)
+
+    def bound(self, *first: Any) -> Callable[..., Any]:
+        """Return the code with its first arguments given for all calls: arrays, which calls may change, and numbers."""
+        known = border.slots_of(first)
+
+        def call(*rest: Any) -> Any:
+            slots, result = np.append(known, border.slots_of(rest)), np.empty(self._room, dtype=np.int64)
+            self._run(slots.ctypes.data, result.ctypes.data)
+            return border.read(self._form, iter(result))
+
+        return call
 
 
 class Compiled:

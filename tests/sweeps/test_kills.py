@@ -96,6 +96,7 @@ def disturbed(folder: Path, victims, *options: str) -> int:
             assert before.items() <= after.items(), "a finished run is lost"
             assert after.items() <= expected.items(), "a stored run differs from that of an undisturbed run"
             before = after
+        victims(process)  # whoever is dead is brought back
         finished(folder, out, *options)
         before = {}
         assert checksums(folder / out) == expected
@@ -110,15 +111,35 @@ def test_kills_of_processes_lose_nothing_that_is_finished(folder):
     assert disturbed(folder, lambda process: session(process.pid), "--jobs", "2") >= KILLS
 
 
+class Workers:
+    """Workers of a dask scheduler without guardians, which give up after some kills: this class starts a new one for each that is dead."""
+
+    def __init__(self, address: str, folder: Path, count: int = 2) -> None:
+        self.address, self.folder = address, folder
+        self.processes = [self.start() for _ in range(count)]
+
+    def start(self) -> subprocess.Popen:
+        options = ["--no-nanny", "--nthreads", "1", "--no-dashboard", "--local-directory", str(self.folder)]
+        command = [sys.executable, "-m", "distributed.cli.dask_worker", self.address, *options]
+        return subprocess.Popen(command, stderr=subprocess.DEVNULL)
+
+    def pids(self) -> list[int]:
+        self.processes = [one if one.poll() is None else self.start() for one in self.processes]
+        return [one.pid for one in self.processes]
+
+    def stop(self) -> None:
+        for one in self.processes:
+            one.kill()
+            one.wait()
+
+
 def test_kills_over_dask_lose_nothing_that_is_finished(folder, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    monkeypatch.syspath_prepend(folder)
-    with (
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-        distributed.Client(cluster.scheduler_address) as client,
-    ):
-
-        def victims(process):
-            return [process.pid, *client.run(os.getpid, on_error="ignore").values()]
-
-        assert disturbed(folder, victims, "--scheduler", cluster.scheduler_address) >= KILLS
+    monkeypatch.setenv("PYTHONPATH", str(folder))
+    with distributed.LocalCluster(n_workers=0, dashboard_address=None) as cluster:
+        workers = Workers(cluster.scheduler_address, folder)
+        try:
+            found = disturbed(folder, lambda process: [process.pid, *workers.pids()], "--scheduler", cluster.scheduler_address)
+        finally:
+            workers.stop()
+    assert found >= KILLS
