@@ -10,6 +10,7 @@ freedom, so that its interval is wide.
 import itertools
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -221,6 +222,25 @@ def laws(x: Array, level: np.ndarray) -> tuple[Array, Array, np.ndarray, Array]:
     )
 
 
+@lru_cache(maxsize=64)
+def _possible(sizes: bytes) -> tuple[np.ndarray, ...]:
+    """What `estimate` needs of the laws at sizes x = log h/h[-1] (n,), of which many series have the same; nothing of it is written to."""
+    x = np.frombuffer(sizes)
+    level = np.cumsum(np.append(0, np.diff(x) != 0))
+    level = level[-1] - level
+    ratio, power, alternates, probability = laws(x, level)
+    term = ratio[:, None] * np.exp(np.outer(power, x))
+    term[alternates] *= (-1.0) ** level
+    possible = np.all(term[:, level < LEAST_RUN] >= -LARGEST_NEGATIVE_TERM, axis=1)
+    ratio, power, alternates, probability, term = (part[possible] for part in (ratio, power, alternates, probability, term))
+    used = np.abs(1 + term) >= NEAR_ZERO
+    deviation = np.log(np.where(used, np.abs(1 + term), 1.0))
+    within = (level[:, None] <= level[0] - np.arange(max(1, level[0] + 2 - LEAST_RUN))).astype(float)
+    n, sum_x, sum_xx = (used * part @ within for part in (1.0, x, x * x))
+    mean_x = sum_x / n
+    return level, ratio, power, alternates, probability, used, deviation, within, n, mean_x, sum_xx - n * mean_x**2
+
+
 def estimate(h: Array, error: Array) -> Estimate:
     """Weigh all laws of an error series.
 
@@ -241,22 +261,11 @@ def estimate(h: Array, error: Array) -> Estimate:
     [1] A. Gelman and others, Bayesian Data Analysis, third edition (2013), sections 3.2, 7.4 and 14.2.
     """
     x = np.log(h / h[-1])
-    level = np.cumsum(np.append(0, np.diff(x) != 0))
-    level = level[-1] - level
-    ratio, power, alternates, probability = laws(x, level)
-    term = ratio[:, None] * np.exp(np.outer(power, x))
-    term[alternates] *= (-1.0) ** level
-    possible = np.all(term[:, level < LEAST_RUN] >= -LARGEST_NEGATIVE_TERM, axis=1)
-    ratio, power, alternates, probability, term = (part[possible] for part in (ratio, power, alternates, probability, term))
-    used = np.abs(1 + term) >= NEAR_ZERO
-    deviation = np.log(np.where(used, np.abs(1 + term), 1.0))
+    level, ratio, power, alternates, probability, used, deviation, within, n, mean_x, sxx = _possible(x.tobytes())
     z = np.log(error / error[-1]) - deviation
-
-    runs = np.arange(max(1, level[0] + 2 - LEAST_RUN))  # by their number of rough sizes
-    within = (level[:, None] <= level[0] - runs).astype(float)
-    n, sum_x, sum_xx, sum_z, sum_zz, sum_xz = (used * part @ within for part in (1.0, x, x * x, z, z * z, x * z))
-    mean_x, mean_z = sum_x / n, sum_z / n
-    sxx, sxz, szz = sum_xx - n * mean_x**2, sum_xz - n * mean_x * mean_z, sum_zz - n * mean_z**2
+    sum_z, sum_zz, sum_xz = (used * part @ within for part in (z, z * z, x * z))
+    mean_z, runs = sum_z / n, np.arange(within.shape[1])  # by their number of rough sizes
+    sxz, szz = sum_xz - n * mean_x * mean_z, sum_zz - n * mean_z**2
     limit = sxz / sxx
     squares = np.maximum(szz - limit * sxz, 0.0) + SCATTER_WEIGHT * SCATTER**2
     freedom = SCATTER_WEIGHT + n - 2

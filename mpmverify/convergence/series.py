@@ -6,7 +6,7 @@ the reason. The order at the finest level is estimated from the remaining levels
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 
@@ -93,6 +93,13 @@ class Convergence:
             return Fit(found.order, *found.interval(self.confidence), found.constant)
         h, error = self.h[self.kept], self.error[self.kept]
         return fit_order(h, error, self.confidence) if len(np.unique(h)) == 2 else None
+
+    def expecting(self, band: tuple[float, float]) -> "Convergence":
+        """Return the analysis for an accepted band of orders: an interval wholly above it makes the series superconvergent."""
+        known = self.classification in (Classification.ASYMPTOTIC, Classification.PRE_ASYMPTOTIC)
+        if not known or self.estimate is None or not self.estimate.step_below(band[1]) < 0.5 - self.confidence / 2:
+            return self
+        return replace(self, classification=Classification.SUPERCONVERGENT)
 
     def last_steps(self) -> Array:
         """Observed orders of the two finest steps between kept sizes, and of both together (3,); needs three kept sizes."""
@@ -210,10 +217,9 @@ def analyse(
         kind = Classification.OTHER_FLOOR
     elif abs(order) <= FLAT:
         kind = Classification.STAGNANT
-    elif expected is not None and found.step_below(expected[1]) < tail:
-        kind = Classification.SUPERCONVERGENT
     elif found.step_below(order - wide) > tail or found.step_below(order + wide) < 1 - tail:
         kind = Classification.PRE_ASYMPTOTIC
     else:
         kind = Classification.ASYMPTOTIC
-    return result(kind, kept, dropped, floor, found)
+    series = result(kind, kept, dropped, floor, found)
+    return series.expecting(expected) if expected else series

@@ -112,6 +112,7 @@ class Evidence:
     jitter: Array | None = None
     seed: Array | None = None
     steps: Array | None = None
+    _series: dict[tuple[str, str, float], Convergence] = field(default_factory=dict, init=False, repr=False, compare=False)
     _separations: dict[tuple[tuple[str, ...], str, str], Separation] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -168,11 +169,16 @@ class Evidence:
     def convergence(
         self, quantity: str, norm: str, expected: tuple[float, float] | None = None, round_off: float = ROUND_OFF
     ) -> Convergence | None:
-        """Analyse one relative error over the refined size; None for a design, which has no single order."""
-        size = self.axis.size
+        """Analyse one relative error over the refined size; None for a design, which has no single order.
+
+        The result is cached, because both the verdict and the results file need it.
+        """
+        size, asked = self.axis.size, (quantity, norm, round_off)
         if not size:
             return None
-        return analyse(self.sizes[size], self.relative(quantity, norm), expected=expected, round_off=round_off, size=size)
+        if asked not in self._series:
+            self._series[asked] = analyse(self.sizes[size], self.relative(quantity, norm), round_off=round_off, size=size)
+        return self._series[asked].expecting(expected) if expected else self._series[asked]
 
     def separation(self, sizes: tuple[str, ...], quantity: str, norm: str) -> Separation:
         """Separate the sources of one relative error.
