@@ -1,12 +1,13 @@
 """What errors like those of a solver of one's own come from, on its page."""
 
+import json
 from collections.abc import Iterator
 
 import numpy as np
 
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.errors import ResultsError
-from mpmverify.judgement.diagnosis import Measured, diagnosis, signature
+from mpmverify.judgement.diagnosis import Measured, diagnosis, read_signatures, signature
 
 from .dossiers import Dossier, Entry
 
@@ -15,15 +16,18 @@ def likely_causes(dossier: Dossier) -> str:
     """Return the sentence of the diagnosis of a solver of one's own; "" if no criterion on it failed, or nothing is similar enough."""
     found: dict[str, float] = {}
     failed = False
-    for entry in dossier.entries:
-        own = f"-with-{entry.series.solver}"
-        if entry.record.name.endswith(own):
-            failed = failed or any(finding.verdict is Verdict.FAIL for finding in entry.findings)
-            found |= signature(entry.record.name.removesuffix(own), _measured(entry))
     try:
-        said = diagnosis(found) if failed else ""
+        known = read_signatures().problems
     except ResultsError:  # the run that failed has said so
         return ""
+    for entry in dossier.entries:
+        own, case = f"-with-{entry.series.solver}", entry.series.case
+        study = entry.record.name.removesuffix(own)
+        stated = json.loads(entry.record.attributes.get("problems", "{}"))
+        if study != entry.record.name and stated.get(case) == known.get(f"{study} | {case}"):
+            failed = failed or any(finding.verdict is Verdict.FAIL for finding in entry.findings)
+            found |= signature(study, _measured(entry))
+    said = diagnosis(found) if failed else ""
     return f"{said[:1].upper()}{said[1:]}." if said else ""
 
 

@@ -211,29 +211,43 @@ def test_a_table_of_another_problem_is_refused_in_one_sentence(monkeypatch, faul
     )
 
 
-def test_a_run_with_an_own_solver_says_the_causes_once_and_on_its_page(tmp_path, monkeypatch, faulty):
+def run_layer(folder, monkeypatch, faulty, change=""):
+    """Output of a run of a faulty code on a case of the table, which a line of Python may change, and its pages by name."""
     from click.testing import CliRunner
 
     from mpmverify.cli import cli
 
-    monkeypatch.chdir(tmp_path)
+    monkeypatch.chdir(folder)
     monkeypatch.setattr(diagnosis, "LEAST_CASES", 1)
-    home = type(faulty).__module__
-    (tmp_path / "own.py").write_text(
+    home, tag = type(faulty).__module__, "other" if change else "same"  # modules of one name are loaded once a process
+    (folder / f"{tag}_code.py").write_text(
         f"from {home} import Textbook\nOWN = Textbook('USL', 'FLIP', 'quadratic')\n", encoding="utf-8"
     )
-    (tmp_path / "layer.py").write_text(
-        "import dataclasses\nfrom mpmverify import studies\nSTUDY = studies.get('loads-and-supports')\n"
-        "STUDY = dataclasses.replace(STUDY, cases=tuple(case for case in STUDY.cases if case.name == 'layer, splines'))\n",
+    (folder / f"{tag}_layer.py").write_text(
+        "from dataclasses import replace\nfrom mpmverify import studies\nSTUDY = studies.get('loads-and-supports')\n"
+        f"[case] = [case for case in STUDY.cases if case.name == 'layer, splines']\n{change}\n"
+        "STUDY = replace(STUDY, cases=(case,))\n",
         encoding="utf-8",
     )
-    shown = CliRunner().invoke(cli, ["run", "layer.py", "--with", "own.py:OWN", "--out", "out", "--jobs", "1"])
+    shown = CliRunner().invoke(cli, ["run", f"{tag}_layer.py", "--with", f"{tag}_code.py:OWN", "--out", "out", "--jobs", "1"])
     assert shown.exit_code == 1, shown.output
-    text = " ".join(shown.output.split())
-    said = f"rrors like these come from {SPIN} ("
-    assert text.count(f"{faulty.name}: e{said}") == text.count("like these") == 1
-    pages = [page for page in (tmp_path / "out" / "report").glob("*.html") if said in page.read_text(encoding="utf-8")]
-    assert [page.name for page in pages] == [f"solver-{faulty.name}.html"]
+    pages = {page.name: page.read_text(encoding="utf-8") for page in (folder / "out" / "report").glob("*.html")}
+    return " ".join(shown.output.split()), pages
+
+
+def test_a_run_with_an_own_solver_says_the_causes_once_and_on_its_page(tmp_path, monkeypatch, faulty):
+    said, pages = run_layer(tmp_path, monkeypatch, faulty)
+    sentence = f"rrors like these come from {SPIN} ("
+    assert said.count(f"{faulty.name}: e{sentence}") == said.count("like these") == 1
+    assert [name for name, text in pages.items() if sentence in text] == [f"solver-{faulty.name}.html"]
+
+
+def test_another_problem_of_the_same_name_has_no_causes_on_its_page_either(tmp_path, monkeypatch, faulty):
+    change = "case = replace(case, problem=replace(case.problem, problem=replace(case.problem.problem, name='another')))"
+    said, pages = run_layer(tmp_path, monkeypatch, faulty, change)
+    assert "of another problem than loads-and-supports, layer, splines" in said
+    assert f"solver-{faulty.name}.html" in pages
+    assert not [name for name, text in pages.items() if "rrors like these come from" in text]
 
 
 def test_the_command_writes_a_table(tmp_path, monkeypatch):

@@ -16,6 +16,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import netCDF4
@@ -52,6 +53,7 @@ def write_study(
     tier: str,
     inputs: str,
     run: str,
+    problems: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
     """Write the file of a judged study, with what has changed since the file that it replaces.
 
@@ -73,6 +75,8 @@ def write_study(
         Digest of everything that the file depends on; "" if the file must be written again at the next run.
     run : str
         Start of the run that judged the study, by ISO 8601.
+    problems : mapping of str to str
+        Digest of the problem of each case: by them a reader knows whether the cases are those of another study of this name.
 
     Raises
     ------
@@ -83,6 +87,7 @@ def write_study(
     series = [finding for findings in judged.by_series.values() for finding in findings]
     past = history(path, run, inputs, series, study.restricted_to)
     tree = study_tree(study, levels, snapshots, judged, past, tier=tier, inputs=inputs)
+    tree.attrs["problems"] = json.dumps(dict(problems))
     write_atomic(path, lambda temporary: write_tree(temporary, tree))
 
 

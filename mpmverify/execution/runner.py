@@ -15,6 +15,7 @@ from mpmverify.dataset.files import Results, make_way
 from mpmverify.dataset.verdicts import read_verdicts, write_verdicts
 from mpmverify.execution import processes
 from mpmverify.execution.dask import Distributed
+from mpmverify.execution.diagnosis import problem_digest
 from mpmverify.execution.evaluation import Evaluated, Task, run_key
 from mpmverify.execution.keys import digest, file_digest
 from mpmverify.execution.workers import Crew, Failure, Worker
@@ -257,7 +258,9 @@ def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence
     complete = all(plan.results.run(task.key).exists() for task in tasks) and not any(math.isnan(level.dt) for level in levels)
     inputs = inputs if complete else ""
     snapshots = {entry.level.series: entry.snapshots for entry in evaluated if entry.snapshots}
-    write_study(plan.results.study(study.name), study, levels, snapshots, judged, tier=plan.tier, inputs=inputs, run=run)
+    problems = {case.name: problem_digest(case.problem) for case in study.cases}
+    path = plan.results.study(study.name)
+    write_study(path, study, levels, snapshots, judged, tier=plan.tier, inputs=inputs, run=run, problems=problems)
     write_verdicts(plan.results, study.name, inputs, judged.findings)
     solved = sum(entry.solved for entry in evaluated)
     seconds = sum(entry.seconds for entry in evaluated) + time.perf_counter() - started
