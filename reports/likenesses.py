@@ -10,6 +10,7 @@ from mpmverify.errors import ResultsError
 from mpmverify.judgement.diagnosis import Measured, diagnosis, read_signatures, signature
 
 from .dossiers import Dossier, Entry
+from .record import Record
 
 
 def likely_causes(dossier: Dossier) -> str:
@@ -23,12 +24,21 @@ def likely_causes(dossier: Dossier) -> str:
     for entry in dossier.entries:
         own, case = f"-with-{entry.series.solver}", entry.series.case
         study = entry.record.name.removesuffix(own)
-        stated = json.loads(entry.record.attributes.get("problems", "{}"))
-        if study != entry.record.name and stated.get(case) == known.get(f"{study} | {case}"):
+        place = f"{study} | {case}"
+        if study != entry.record.name and place in known and _problems(entry.record).get(case) == known[place]:
             failed = failed or any(finding.verdict is Verdict.FAIL for finding in entry.findings)
             found |= signature(study, _measured(entry))
     said = diagnosis(found) if failed else ""
     return f"{said[:1].upper()}{said[1:]}." if said else ""
+
+
+def _problems(record: Record) -> dict[str, str]:
+    """Digest of the problem of each case; none of a file that does not say, or is damaged there."""
+    try:
+        found = json.loads(record.attributes.get("problems", ""))
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def _measured(entry: Entry) -> Iterator[Measured]:

@@ -1,5 +1,6 @@
 """Traced functions: compiled and in plain Python they return the same, and what cannot be compiled is refused."""
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from mpmverify.solvers.tracing import (
     LANES,
     Compiled,
     Consecutive,
+    Variable,
     acos,
     all_positive,
     as_integer,
@@ -235,6 +237,8 @@ def test_branches_and_wrong_types_are_refused(function, argument):
         (np.zeros((4, 4))[:, :2], "C-contiguous"),
         (np.zeros(2, dtype=np.float32), "doubles or integers"),
         (np.zeros(2, dtype=bool), "doubles or integers"),
+        (np.zeros(2, dtype=">i4"), "byte order"),
+        (np.zeros(2, dtype=np.dtype(float).newbyteorder()), "byte order"),
         ([1.0], "numbers, arrays and tuples of these, not list"),
         ((1.0, "a"), "numbers, arrays and tuples of these, not str"),
     ],
@@ -265,6 +269,39 @@ def test_first_arguments_are_given_once_for_all_calls():
     added = add.entry(total, 2.0, 1.0).bound(total, 2.0)
     assert [added(x) for x in (1.0, 3.0)] == [3.0, 11.0]
     assert total[0] == 8.0
+
+
+def test_arrays_that_are_bound_live_on():
+    def bound():
+        some = np.ones(10**6)  # a mapping of its own, gone at once when it is freed
+        return Compiled(total_of).entry(some, 1.0).bound(some)
+
+    assert bound()(2.0) == 2e6
+
+
+@traced
+def total_of(values, factor):
+    total = Variable(0.0, like=factor)
+    with for_range(0, values.shape[0]) as k:
+        total.value += factor * values[k]
+    return total.value
+
+
+def test_an_entry_takes_arguments_of_its_kinds_alone():
+    entry = Compiled(total_of).entry(np.ones(3), 1.0)
+    assert entry(np.ones(4), 2.0) == 8.0
+    for wrong in ((np.ones(3), 2), (np.ones(3, dtype=int), 2.0), (np.ones(3),), (np.ones(3), 1.0, 1.0)):
+        with pytest.raises(TypeError, match="other kinds"):
+            entry(*wrong)
+    with pytest.raises(TypeError, match="other kinds"):
+        entry.bound(np.ones((3, 1)))
+
+
+def test_threads_of_python_share_what_one_of_them_compiles():
+    shared = Compiled(total_of)
+    with ThreadPoolExecutor(8) as pool:
+        assert set(pool.map(lambda k: shared(np.full(5, float(k)), 1.0) / k, range(1, 9))) == {5.0}
+    assert shared.made == 1
 
 
 def test_integers_of_any_width_keep_their_sign():

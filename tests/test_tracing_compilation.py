@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections import namedtuple
 from importlib import import_module
 from pathlib import Path
 
@@ -97,9 +98,46 @@ def test_a_full_disk_loses_no_run(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(disk.tempfile, "NamedTemporaryFile", full)
+    monkeypatch.setattr(Path, "replace", full)
     assert Compiled(lambda x: 2 * x, "doubled", SOURCES / "fem")(1.5) == 3.0
-    assert not list(tmp_path.iterdir())
+    assert not list(tmp_path.iterdir()), "and leaves nothing behind"
+
+
+def test_code_of_a_process_is_not_kept_for_sources_that_changed_since(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    law = tmp_path / "sources" / "laws" / "law.py"
+    law.parent.mkdir(parents=True)
+    law.write_text("old\n", encoding="utf-8")
+    running = Compiled(lambda x: 2 * x, "law", tmp_path / "sources")
+    law.write_text("new\n", encoding="utf-8")
+    assert running(1.5) == 3.0
+    later = Compiled(lambda x: 4 * x, "law", tmp_path / "sources")
+    assert [later(1.5), later.made, later.from_disk] == [6.0, 1, 0]
+    law.rename(law.with_name("other.py"))
+    renamed = Compiled(lambda x: 5 * x, "law", tmp_path / "sources")
+    assert [renamed(1.5), renamed.made] == [7.5, 1]
+
+
+def test_the_order_of_the_fields_of_a_named_tuple_tells_code_apart(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    found = []
+    for fields in ("a b", "b a"):
+        pair = namedtuple("Pair", fields)
+        found.append(Compiled(lambda p: p.a, "first", SOURCES / "fem")(pair(1, 2)))
+    assert found == [1, 2]
+
+
+def test_a_user_without_a_home_compiles_without_a_folder(tmp_path, monkeypatch):
+    def no_home():
+        raise RuntimeError("Could not determine home directory.")
+
+    (tmp_path / "__pycache__").touch()
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", no_home)
+    assert disk.folder_for(tmp_path) is None
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "chosen"))
+    assert disk.folder_for(tmp_path) == tmp_path / "chosen"
 
 
 def test_functions_of_one_name_and_other_arguments_have_files_of_their_own(tmp_path, monkeypatch):

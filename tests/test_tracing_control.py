@@ -102,6 +102,32 @@ def test_code_is_left_before_its_end(values, limit):
 compiled_first_above = Compiled(first_above)
 
 
+@traced
+def left_too_late(n):
+    with leavable(n) as leave:
+        pass
+    leave(n > 0)
+    return n
+
+
+def test_code_that_has_ended_is_not_left():
+    with pytest.raises(TypeError, match="cannot be left"):
+        Compiled(left_too_late)(1)
+
+
+@traced
+def left_at_once(n):
+    passed = Variable(0, n)
+    with leavable(n) as leave:
+        leave(True)
+        passed.value = 1
+    return passed.value
+
+
+def test_code_is_left_by_a_condition_of_python():
+    assert Compiled(left_at_once)(1) == 0
+
+
 def test_a_loop_between_numbers_of_python():
     assert Compiled(of_numbers_of_python)(np.array([1.0, 2.0, 4.0, 8.0])) == 14.0
 

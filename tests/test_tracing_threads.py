@@ -1,5 +1,6 @@
 """Loops in threads: every round runs once, and threads that are launched in another way are not used."""
 
+from contextlib import contextmanager
 from ctypes import CFUNCTYPE, addressof, c_ssize_t, c_void_p, cast
 
 import numba
@@ -61,11 +62,24 @@ def nothing(task, starts, counts, step, data, inner, arrays, threads):
     """Another convention takes the task for something else."""
 
 
+ORIGINAL = []
+
+
+@contextmanager
+def restored():
+    """Launch threads as numba does, within `launched_by`."""
+    planted = binding.address_of_symbol("numba_parallel_for")
+    binding.add_symbol("numba_parallel_for", ORIGINAL[-1])
+    yield
+    binding.add_symbol("numba_parallel_for", planted)
+
+
 @pytest.fixture
 def launched_by(request):
     """Launch threads by another convention, as another version of numba might."""
     numba.get_num_threads()
     original, planted = binding.address_of_symbol("numba_parallel_for"), LAUNCH(request.param)
+    ORIGINAL.append(original)
     binding.add_symbol("numba_parallel_for", cast(planted, c_void_p).value)
     start_threads.cache_clear()
     yield planted
@@ -81,6 +95,27 @@ def test_threads_that_are_launched_in_another_way_are_not_used(launched_by):
         rounds(17, A, 0.5, True)
     assert np.array_equal(A, after(17))
     assert start_threads() is False, "and the warning is not repeated"
+
+
+@pytest.mark.parametrize("launched_by", [counts_first], indirect=True)
+def test_code_that_launches_threads_is_taken_from_the_disk_only_where_it_can(launched_by, tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+
+    def run():
+        rounds, A = Compiled(in_rounds, "rounds", tmp_path), np.zeros((20, 3))
+        rounds(17, A, 0.5, True)
+        assert np.array_equal(A, after(17))
+        return rounds.made, rounds.from_disk
+
+    with pytest.warns(RuntimeWarning, match="loops run in one thread"):
+        assert run() == (1, 0)
+    assert not list(tmp_path.iterdir()), "code for one thread is not for others"
+    start_threads.cache_clear()
+    with restored():
+        assert [run(), run()] == [(1, 0), (0, 1)]
+        start_threads.cache_clear()
+    with pytest.warns(RuntimeWarning, match="loops run in one thread"):
+        assert run() == (1, 0)
 
 
 def test_threads_that_are_launched_as_expected_are_used():

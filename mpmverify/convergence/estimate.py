@@ -260,7 +260,7 @@ def estimate(h: Array, error: Array) -> Estimate:
     ----------
     [1] A. Gelman and others, Bayesian Data Analysis, third edition (2013), sections 3.2, 7.4 and 14.2.
     """
-    x = np.log(h / h[-1])
+    x = np.log(np.asarray(h / h[-1], dtype=float))
     level, ratio, power, alternates, probability, used, deviation, within, n, mean_x, sxx = _possible(x.tobytes())
     z = np.log(error / error[-1]) - deviation
     sum_z, sum_zz, sum_xz = (used * part @ within for part in (z, z * z, x * z))

@@ -222,4 +222,4 @@ def analyse(
     else:
         kind = Classification.ASYMPTOTIC
     series = result(kind, kept, dropped, floor, found)
-    return series.expecting(expected) if expected else series
+    return series if expected is None else series.expecting(expected)

@@ -178,7 +178,7 @@ class Evidence:
             return None
         if asked not in self._series:
             self._series[asked] = analyse(self.sizes[size], self.relative(quantity, norm), round_off=round_off, size=size)
-        return self._series[asked].expecting(expected) if expected else self._series[asked]
+        return self._series[asked] if expected is None else self._series[asked].expecting(expected)
 
     def separation(self, sizes: tuple[str, ...], quantity: str, norm: str) -> Separation:
         """Separate the sources of one relative error.

@@ -65,7 +65,7 @@ def attributes(kind: str, title: str, summary: str) -> dict[str, str | int]:
     }
 
 
-NUMERICAL_LIBRARIES = ("numpy", "scipy", "numba", "scikit-fem")
+NUMERICAL_LIBRARIES = ("numpy", "scipy", "numba", "llvmlite", "scikit-fem")
 
 
 @cache

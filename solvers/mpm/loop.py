@@ -50,7 +50,7 @@ SOURCES = Path(__file__).parent
 
 
 def refining(passes: SimpleNamespace):
-    """Function that adds the terms of a series, see `refine`; its calls share one compiled function."""
+    """Function that adds the terms of a series, see `refine`; its calls share one compiled function, which spares compilation."""
 
     @traced
     def refine(scheme, grid, particles, nodes, faces, strips, first, least, values, total, reaction, added) -> int:
@@ -117,24 +117,33 @@ def march_through(
     Material Point Method, 2017 (the leapfrog form); de Vaucorbeil, Nguyen and Hutchinson, 2020,
     doi:10.1016/j.cma.2019.112783 (total Lagrangian).
     """
-    zero, first = grid.lower, valued(0, begin)
+    zero = grid.lower
+    only_strip = valued(0, begin)  # passes in threads take all strips, whatever it says
     heaviest = Variable(0.0, like=dt)
     with for_range(0, particles.place.shape[0]) as p:
         heaviest.value = maximum(heaviest.value, particles.state[p, columns_of(zero, particles.deformation).mass])
     least, last, count = least_mass(grid, heaviest.value), faces.force.shape[1] - 1, nodes.inertia.shape[1]
     series, turns, velocity = scheme.series is not None, full_mass(scheme), nodes.velocity
-    many, sums = strips.passed.shape[0] > 1, strips.total
-    nothing, added, sums_at_nodes = sums[0].head(0), sums[0].head(len(zero)), sums[1].head(2 + len(zero))
-    state, at_nodes = (scheme, grid, particles, nodes, strips, first), (zero, nodes, strips)
-    refine = partial(passes.refine, scheme, grid, particles, nodes, faces, strips, first, least)
-    status, done, record, written, passed = (Variable(x, like=begin) for x in (COMPLETED, end, 0, output, PASSED))
-    with when(many & equal(begin, end)):
+    many = strips.passed.shape[0] > 1
+    nothing, added = strips.total[0].head(0), strips.total[0].head(len(zero))
+    sums_at_nodes = strips.total[1].head(2 + len(zero))
+    # What the passes over the particles and those over the nodes take, and what `refine` does.
+    state = scheme, grid, particles, nodes, strips, only_strip
+    at_nodes = zero, nodes, strips
+    refine = partial(passes.refine, scheme, grid, particles, nodes, faces, strips, only_strip, least)
+    status = Variable(COMPLETED, like=begin)
+    done = Variable(end)  # unless a step fails
+    written = Variable(output)
+    record = Variable(0, like=begin)
+    passed = Variable(PASSED, like=begin)
+    with when(many & equal(begin, end)):  # a particle off the grid is found again by the first step
         passes.sort(scheme, grid, particles, strips, begin)
     with while_loop(lambda: histories.step[record.value] < begin, like=begin):
         record.value += 1
     with leavable(begin) as leave, for_range(begin, end) as n:
 
         def stop(condition, code, steps) -> None:
+            """End the run with a status after so many steps if a condition holds; `leave` alone ends the loop as it is."""
             with when(condition):
                 status.value, done.value = code, steps
             leave(condition)
@@ -151,7 +160,8 @@ def march_through(
         passes.nodal_velocity(*at_nodes, velocity, least, 0.0, 0.0, added, 0, count)
         hold_velocity(grid, nodes, faces, n, velocity, added)
         if series:
-            clear_correction(zero, nodes)
+            with when(logical_not(turns)):
+                clear_correction(zero, nodes)
             refine(velocity, where(turns, velocity, nodes.projected), valued(0.0, begin), added)
         with when(logical_not(forces)):
             stop(equal(passes.strain_particles(*state, step), FAILED), INVERTED, n)
@@ -174,8 +184,8 @@ def march_through(
         add_up(zero, scheme, histories, record.value, running, added, sums_at_nodes, n, dt)
         passed.value = passes.grid_to_particles(*state, step)
         with when(recorded):
-            found = record_sums(zero, strips, histories, record.value, running)
-            stop(logical_not(equal(found, COMPLETED)), found, n)
+            sound = record_sums(zero, strips, histories, record.value, running)
+            stop(logical_not(equal(sound, COMPLETED)), sound, n)
             record.value += 1
         written.value += where(recording, 1, 0)
         leave(equal(n, last))
@@ -204,4 +214,4 @@ def _assembled(name: str, passes: SimpleNamespace) -> Compiled:
 march = _assembled("march", IN_TURN)
 """Loop in one thread, over one strip."""
 march_in_threads = _assembled("march_in_threads", IN_THREADS)
-"""Loop over several strips; `start_threads` comes before its first use in a process."""
+"""Loop over several strips."""

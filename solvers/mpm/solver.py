@@ -23,7 +23,6 @@ from mpmverify.problem import (
 )
 from mpmverify.solution import Solution, Work
 
-from ..tracing import start_threads
 from . import formal_orders, loop, passes
 from .acceptance import check
 from .affine import AFFINE
@@ -204,7 +203,6 @@ class MaterialPoint:
         record = (outputs, histories, running, dt)
         march = loop.march
         if count >= MANY:
-            start_threads()  # a loop from the disk cache takes them for granted
             march = loop.march_in_threads
         at_rest = np.zeros((0, 0, 0)), 0, 0, 0
         advance = march.entry(*state, *record, *at_rest).bound(*state, *record)

@@ -27,8 +27,8 @@ def kinds_of(argument: Any) -> Any:
         kind = Kind(argument.dtype, argument.ndim, argument.flags.writeable)
         if not argument.flags.c_contiguous:
             raise TypeError(f"{kind} may have gaps: pass a C-contiguous array")
-        if argument.dtype != np.float64 and argument.dtype.kind not in "iu":
-            raise TypeError(f"compiled code takes arrays of doubles or integers, not {kind}")
+        if not argument.dtype.isnative or (argument.dtype != np.float64 and argument.dtype.kind not in "iu"):
+            raise TypeError(f"compiled code takes arrays of doubles or integers in the byte order of this machine, not {kind}")
         return kind
     if argument is None:
         return None
@@ -41,7 +41,9 @@ def kinds_of(argument: Any) -> Any:
 def spelled(kinds: Any) -> str:
     """Kinds as a text, the same in every process."""
     if isinstance(kinds, tuple) and not isinstance(kinds, Kind):
-        return f"{kinds[0].__module__}.{kinds[0].__qualname__}({', '.join(map(spelled, kinds[1:]))})"
+        names = getattr(kinds[0], "_fields", [""] * (len(kinds) - 1))
+        items = [f"{name}: {spelled(kind)}" for name, kind in zip(names, kinds[1:], strict=True)]
+        return f"{kinds[0].__module__}.{kinds[0].__qualname__}({', '.join(items)})"
     return str(kinds)
 
 

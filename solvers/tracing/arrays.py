@@ -25,7 +25,7 @@ class Kind(NamedTuple):
     mutable: bool
 
     def __str__(self) -> str:
-        return f"{'an' if self.mutable else 'a read-only'} array of {self.dtype.name} with {self.axes} axes"
+        return f"{'an' if self.mutable else 'a read-only'} array of {self.dtype.str} with {self.axes} axes"
 
     @property
     def element(self) -> ir.Type:

@@ -13,7 +13,7 @@ from llvmlite import ir
 
 from .arrays import Array
 from .selection import equal
-from .values import INTEGER, KINDS, Value, as_code, on_stack, rank
+from .values import BOOLEAN, INTEGER, KINDS, Value, as_code, on_stack, rank
 
 
 @contextmanager
@@ -91,12 +91,17 @@ def leavable(like: Any) -> Iterator[Callable[[Any], None]]:
     builder = like.builder
     after = builder.append_basic_block("after")
 
+    left = False
+
     def leave(condition: Any) -> None:
+        if left:
+            raise TypeError("code that has ended cannot be left: call `leave` inside its `with`")
         stays = builder.append_basic_block("stays")
-        builder.cbranch(condition.code, after, stays)
+        builder.cbranch(as_code(builder, condition, BOOLEAN), after, stays)
         builder.position_at_end(stays)
 
     yield leave
+    left = True
     builder.branch(after)
     builder.position_at_end(after)
 

@@ -1,4 +1,4 @@
-"""Loops in threads, by the thread pool of `numba.prange`; `prange` itself would take a second more to compile."""
+"""Loops in threads, by the thread pool of `numba.prange`."""
 
 import warnings
 from collections.abc import Iterator
@@ -43,8 +43,8 @@ def parallel_for(count: Value, shared: tuple[Any, ...]) -> Iterator[tuple[Value,
 
     Notes
     -----
-    As many threads run as `numba.get_num_threads()` says, or one where `start_threads` warns. A process that loads the code from the
-    disk cache calls `start_threads` before it runs it.
+    As many threads run as `numba.get_num_threads()` says, or one where `start_threads` warns. Whether threads are launched is noted at the
+    module, as `in_threads`: code from the disk that launches them is used only where they can be.
     """
     builder, data = count.builder, stored(count.builder, shared)
     with new_function(builder, TASK, builder.module.get_unique_name(f"{builder.function.name}.task")) as (task, inside):
@@ -58,7 +58,8 @@ def parallel_for(count: Value, shared: tuple[Any, ...]) -> Iterator[tuple[Value,
     start, total, step = (on_stack(builder, kind) for kind in (BYTES, INTEGER, INTEGER))
     for code, place in ((data, start), (count.code, total), (INTEGER(1), step)):
         builder.store(code, place)
-    if not start_threads():
+    builder.module.in_threads = start_threads()
+    if not builder.module.in_threads:
         builder.call(task, [start, total, step, data])
         return
     pointers = [builder.bitcast(one, BYTES) for one in (task, start, total, step, data)]
