@@ -8,8 +8,9 @@ writer alternates and takes ten times as long for a tree of fifty groups.
 """
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import netCDF4
@@ -29,9 +30,11 @@ def write_tree(path: Path, tree: xr.DataTree) -> None:
         for node in tree.subtree:
             group = file if node.path == "/" else file.createGroup(node.path)
             pending += _declare(group, node.to_dataset(inherit=False))
+        written: dict[tuple[str, str], np.ndarray] = {}
         for variable, values in pending:
             variable[...] = values
-        file.setncattr(CHECKSUM, read_groups(file)[0])
+            written[variable.group().path, variable.name] = values
+        file.setncattr(CHECKSUM, read_groups(file, written)[0])
 
 
 class Group(NamedTuple):
@@ -41,8 +44,16 @@ class Group(NamedTuple):
     attributes: dict[str, Any]
 
 
-def read_groups(file: netCDF4.Dataset) -> tuple[str, dict[str, Group]]:
+def read_groups(
+    file: netCDF4.Dataset, known: Mapping[tuple[str, str], np.ndarray] = MappingProxyType({})
+) -> tuple[str, dict[str, Group]]:
     """Read all that a file holds, once.
+
+    Parameters
+    ----------
+    file : netCDF4.Dataset
+    known : mapping of (str, str) to ndarray
+        Values by the path of their group and the name of their variable, which are not read: of a file that is being written.
 
     Returns
     -------
@@ -65,9 +76,11 @@ def read_groups(file: netCDF4.Dataset) -> tuple[str, dict[str, Group]]:
         stored = Group({}, attributes(group))
         for name, variable in group.variables.items():
             stated = attributes(variable)
-            variable.set_auto_maskandscale(False)
-            variable.set_auto_chartostring(False)
-            values = np.ascontiguousarray(variable[...]).reshape(variable.shape)
+            values = known.get((group.path, name))
+            if values is None:
+                variable.set_auto_maskandscale(False)
+                variable.set_auto_chartostring(False)
+                values = np.ascontiguousarray(variable[...]).reshape(variable.shape)
             found.update(repr((name, variable.dimensions)).encode() + values.tobytes())
             stored.variables[name] = variable.dimensions, values, stated
         groups[group.path] = stored
