@@ -116,9 +116,8 @@ class Compiled:
 
     def __init__(self, function: Callable[..., Any], name: str = "", sources: Path | None = None) -> None:
         self._function, self._name, self._sources = function, name, sources
-        self._checksum = (
-            checksum(sources) if sources else ""
-        )  # of what this process has imported, whatever the files hold later
+        # Of what this process has imported, whatever the files hold later.
+        self._checksum = checksum(sources) if sources else ""
         self._entries: dict[Any, Entry] = {}
         self._lock = threading.Lock()
         self.from_disk = self.made = 0

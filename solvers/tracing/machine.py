@@ -38,8 +38,8 @@ def identity() -> str:
 def object_code(module: ir.Module) -> bytes:
     """Compile a module.
 
-    Loops are neither unrolled nor vectorised: those over particles and nodes take four at a time already, and code that is longer takes
-    half as long again to compile.
+    Loops are neither unrolled nor vectorised: those over particles and nodes take four at a time already, and longer code takes longer to
+    compile.
 
     Raises
     ------
