@@ -3,28 +3,28 @@
 import re
 from collections.abc import Mapping
 
-import netCDF4
 import numpy as np
+
+from mpmverify.dataset.tree import Group
 
 from .record import Array, Field
 
 
-def read_fields(snapshots: netCDF4.Dataset) -> dict[tuple[str, str], Field]:
+def read_fields(snapshots: Group) -> dict[tuple[str, str], Field]:
     """Read the fields of a group `snapshots_2d` or `snapshots_3d`.
 
     Parameters
     ----------
-    snapshots : netCDF4.Dataset
-        Group with contiguous ragged arrays: one row per output time, one variable per component.
+    snapshots : Group
+        With contiguous ragged arrays: one row per output time, one variable per component.
 
     Returns
     -------
     dict of (str, str) to Field
         Fields by case and refinement.
     """
-    column = {name: variable[...] for name, variable in snapshots.variables.items()}
-    units = {name: str(getattr(variable, "units", "1")) for name, variable in snapshots.variables.items()}
-    sampled = [name for name, variable in snapshots.variables.items() if variable.dimensions == ("obs",)]
+    column, units = snapshots.columns, snapshots.units
+    sampled = [name for name, entry in snapshots.variables.items() if entry.dimensions == ("obs",)]
     axes = [name for name in sampled if name.startswith("reference_")]
     stored = [name for name in sampled if name not in axes]
     ends = np.cumsum(column["row_size"])

@@ -8,16 +8,16 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import numpy as np
 
 from mpmverify.convergence.sources import Separation
 from mpmverify.dataset.criteria import stored_criterion
-from mpmverify.dataset.files import SCHEMA, check_ours, damaged
 from mpmverify.dataset.findings import read_lacking
 from mpmverify.dataset.history import read_history
 from mpmverify.dataset.sources import MEANING, source_of
-from mpmverify.errors import ResultsError, UsageError
+from mpmverify.dataset.study import parsing, read_study_groups, solvers
+from mpmverify.dataset.tree import Group
+from mpmverify.errors import UsageError
 from mpmverify.judgement.findings import Finding
 
 from .field_reader import read_fields
@@ -31,44 +31,31 @@ def read(path: Path) -> Record:
     ------
     ResultsError
         If the file is unreadable, foreign or damaged.
-
-    Notes
-    -----
-    The variables are read with netCDF4, because an xarray tree takes five times as long.
     """
-    try:
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_maskandscale(False)
-            attributes = {name: file.getncattr(name) for name in file.ncattrs()}
-            if attributes.get("mpmverify_kind") != "study" or attributes.get("mpmverify_schema") != SCHEMA:
-                check_ours(path, "study")
-            root = _columns(file)
-            series = [entry for solver, group in file.groups.items() for entry in _series(path.stem, solver, group)]
-            schemes = {solver: str(group.scheme) for solver, group in file.groups.items()}
-            missing = read_lacking(attributes)
-            past = read_history(path.stem, attributes, root)
-    except ResultsError:
-        raise
-    except (OSError, RuntimeError, AttributeError, LookupError, TypeError, ValueError) as error:
-        check_ours(path, "study")
-        raise damaged(path) from error
+    groups = read_study_groups(path, renamed=True)
+    with parsing(path):
+        return record_of(path.stem, groups)
+
+
+def record_of(name: str, groups: Mapping[str, Group]) -> Record:
+    """Return the record of a study from the groups of its file, read or to be written."""
+    root = groups["/"]
+    missing = read_lacking(root.attributes)
     return Record(
-        path.stem,
-        attributes,
-        tuple(_cases(root)),
-        schemes,
-        tuple(series),
-        (dataclasses.replace(missing, study=path.stem),) if missing else (),
-        past,
+        name,
+        root.attributes,
+        tuple(_cases(root.columns)),
+        {solver: str(group.attributes["scheme"]) for solver, group in solvers(groups)},
+        tuple(entry for solver, group in solvers(groups) for entry in _series(name, solver, group, _within(groups, solver))),
+        (dataclasses.replace(missing, study=name),) if missing else (),
+        read_history(name, root.attributes, root.columns),
     )
 
 
-def _columns(group: netCDF4.Dataset) -> dict[str, np.ndarray]:
-    return {name: variable[...] for name, variable in group.variables.items()}
-
-
-def _units(group: netCDF4.Dataset) -> dict[str, str]:
-    return {name: str(getattr(variable, "units", "1")) for name, variable in group.variables.items()}
+def _within(groups: Mapping[str, Group], solver: str) -> dict[str, Group]:
+    """Return the groups of a solver's snapshots and histories by name."""
+    place = f"/{solver}/"
+    return {name.removeprefix(place): group for name, group in groups.items() if name.startswith(place)}
 
 
 def _cases(column: Mapping[str, np.ndarray]) -> Iterator[Case]:
@@ -78,13 +65,13 @@ def _cases(column: Mapping[str, np.ndarray]) -> Iterator[Case]:
         yield Case(name, exposes, citation, tuple(json.loads(equations)), table, shown)
 
 
-def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]:
-    column = _columns(group)
-    units, declared, judged = _units(group), _criteria(column), _judged(column, study, solver)
-    profiles = _profiles(group.groups["snapshots"]) if "snapshots" in group.groups else {}
-    spatial = [part for name, part in group.groups.items() if name.startswith("snapshots_")]
+def _series(study: str, solver: str, group: Group, within: Mapping[str, Group]) -> Iterator[Series]:
+    column = group.columns
+    units, declared, judged = group.units, _criteria(column), _judged(column, study, solver)
+    profiles = _profiles(within["snapshots"]) if "snapshots" in within else {}
+    spatial = [part for name, part in within.items() if name.startswith("snapshots_")]
     fields = {identity: entry for part in spatial for identity, entry in read_fields(part).items()}
-    kept = [part for name, part in group.groups.items() if name.startswith("histories")]
+    kept = [part for name, part in within.items() if name.startswith("histories")]
     histories = {identity: table for part in kept for identity, table in _histories(part).items()}
     members: dict[tuple[str, str], list[int]] = {}
     for index, identity in enumerate(zip(column["case"].tolist(), column["refinement"].tolist(), strict=True)):
@@ -100,10 +87,10 @@ def _series(study: str, solver: str, group: netCDF4.Dataset) -> Iterator[Series]
         yield Series(
             case=identity[0],
             solver=solver,
-            family=str(group.scheme).partition("(")[0],
+            family=str(group.attributes["scheme"]).partition("(")[0],
             refinement=identity[1],
             axis=axes[fits.index(identity)],
-            formal=json.loads(group.orders),
+            formal=json.loads(group.attributes["orders"]),
             levels=levels,
             estimates=_estimates(column, units, fits.index(identity), indices),
             criteria=declared.get(identity, {}),
@@ -190,9 +177,9 @@ def _separations(column: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict
     return table
 
 
-def _profiles(snapshots: netCDF4.Dataset) -> dict[tuple[str, str], Profile]:
-    column, units = _columns(snapshots), _units(snapshots)
-    kinds = [name for name, variable in snapshots.variables.items() if variable.dimensions == ("obs",) and name != "reference"]
+def _profiles(snapshots: Group) -> dict[tuple[str, str], Profile]:
+    column, units = snapshots.columns, snapshots.units
+    kinds = [name for name, entry in snapshots.variables.items() if entry.dimensions == ("obs",) and name != "reference"]
     units = {name.removesuffix("_exact"): unit for name, unit in units.items()}
     ends = np.cumsum(column["row_size"])
     table: dict[tuple[str, str], list[int]] = {}
@@ -226,9 +213,9 @@ def _profiles(snapshots: netCDF4.Dataset) -> dict[tuple[str, str], Profile]:
     return profiles
 
 
-def _histories(samples: netCDF4.Dataset) -> dict[tuple[str, str], tuple[dict[str, Array], dict[str, str]]]:
-    column = _columns(samples)
-    units = {name.removeprefix("history_"): unit for name, unit in _units(samples).items()}
+def _histories(samples: Group) -> dict[tuple[str, str], tuple[dict[str, Array], dict[str, str]]]:
+    column = samples.columns
+    units = {name.removeprefix("history_"): unit for name, unit in samples.units.items()}
     ends = np.cumsum(column["row_size"])
     table = {}
     for row, identity in enumerate(zip(column["case"].tolist(), column["refinement"].tolist(), strict=True)):

@@ -1,11 +1,11 @@
 """A study file that was changed is told from a sound one, and named."""
 
+import dataclasses
 import json
 
 import netCDF4
 import numpy as np
 import pytest
-import xarray as xr
 from faulty_solvers import plan, study
 from stored_results import CRITERION_OF_EACH_KIND, MIXED
 
@@ -13,9 +13,9 @@ from mpmverify.criteria import (
     Order,
 )
 from mpmverify.criteria.evidence import SeriesId
-from mpmverify.dataset.criteria import with_criteria
-from mpmverify.dataset.study import read_study, read_tree
-from mpmverify.dataset.tree import write_tree
+from mpmverify.dataset.criteria import criterion_table
+from mpmverify.dataset.study import read_study, read_study_groups
+from mpmverify.dataset.tree import text, variable, write_groups
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.execution.gate import accept, gate
 from mpmverify.execution.runner import run
@@ -72,38 +72,40 @@ def test_a_value_that_was_changed_in_a_study_file_is_damage(change, tmp_path, st
         gate(path, Baseline(tmp_path / "none"))
 
 
-def without_a_variable(tree):
-    tree["scripted-good"].dataset = tree["scripted-good"].to_dataset(inherit=False).drop_vars("outcome")
+GOOD = "/scripted-good"
+"""Group of the solver."""
+
+
+def without(name):
+    return lambda variables: {other: entry for other, entry in variables.items() if other != name}
 
 
 def with_values(name, values):
-    def damage(tree):
-        dataset = tree["scripted-good"].to_dataset(inherit=False)
-        tree["scripted-good"].dataset = dataset.assign(
-            {name: (dataset[name].dims, np.broadcast_to(values, dataset[name].shape))}
-        )
-
-    return damage
-
-
-def without_its_criteria(tree):
-    tree["scripted-good"].dataset = tree["scripted-good"].to_dataset(inherit=False).drop_vars("criterion_json")
+    return lambda variables: (
+        variables | {name: variable(variables[name].dimensions, np.broadcast_to(values, variables[name].values.shape))}
+    )
 
 
 def with_criterion(change):
-    def damage(tree):
-        dataset = tree["scripted-good"].to_dataset(inherit=False)
-        stored = change(json.loads(dataset["criterion_json"].values[0]))
-        dataset["criterion_json"][0] = stored if isinstance(stored, str) else json.dumps(stored)
-        tree["scripted-good"].dataset = dataset
+    def damage(variables):
+        first, *rest = variables["criterion_json"].values.tolist()
+        stored = change(json.loads(first))
+        changed = stored if isinstance(stored, str) else json.dumps(stored)
+        return variables | {"criterion_json": variable("criterion", text([changed, *rest]))}
 
     return damage
+
+
+def rewritten(path, change):
+    """Write the file of a study again with other variables of the solver."""
+    groups = read_study_groups(path)
+    write_groups(path, groups | {GOOD: dataclasses.replace(groups[GOOD], variables=change(groups[GOOD].variables))})
 
 
 @pytest.mark.parametrize(
     "damage",
     [
-        without_a_variable,
+        without("outcome"),
         with_values("h", "wide"),
         with_values("h", np.nan),
         with_values("courant", 0.0),
@@ -111,7 +113,7 @@ def with_criterion(change):
         with_values("ppc", "two"),
         with_values("error_absolute_u", "small"),
         with_values("metric", "none"),
-        without_its_criteria,
+        without("criterion_json"),
         with_criterion(lambda stored: "{"),
         with_criterion(lambda stored: [1]),
         with_criterion(lambda stored: stored | {"colour": "red"}),
@@ -122,9 +124,7 @@ def with_criterion(change):
 def test_a_study_that_cannot_be_parsed_is_named_by_gate_and_accept(tmp_path, damage):
     list(run([study()], plan(tmp_path)))
     path = tmp_path / "scripted.nc"
-    tree = read_tree(path)
-    damage(tree)
-    write_tree(path, tree)
+    rewritten(path, damage)
     for read in (lambda: gate(path, Baseline(path)), lambda: accept(Baseline(path), [path], "why not")):
         with pytest.raises(
             ResultsError, match=rf"^'{path}' is damaged: run `mpmverify run` again, which sets it aside and makes it anew$"
@@ -145,11 +145,8 @@ def test_an_error_in_a_criterion_is_not_reported_as_a_damaged_file(tmp_path, mon
 def test_a_criterion_of_a_missing_series_raises_an_error(tmp_path):
     list(run([study()], plan(tmp_path)))
     path = tmp_path / "scripted.nc"
-    tree = read_tree(path)
     absent = {SeriesId("hill", "scripted-good", "nu_C=9"): CRITERION_OF_EACH_KIND[:1]}
-    without = tree["scripted-good"].to_dataset(inherit=False).drop_dims("criterion")
-    tree["scripted-good"].dataset = with_criteria(without, "scripted-good", absent)
-    write_tree(path, tree)
+    rewritten(path, lambda variables: variables | criterion_table("scripted-good", absent).variables)
     with pytest.raises(ResultsError, match=r"is declared for scripted/hill/scripted-good \(nu_C=9\), which has no results"):
         gate(path, Baseline(tmp_path / "none"))
 
@@ -157,7 +154,7 @@ def test_a_criterion_of_a_missing_series_raises_an_error(tmp_path):
 def test_a_study_without_solvers_raises_an_error(tmp_path):
     list(run([study()], plan(tmp_path)))
     path = tmp_path / "scripted.nc"
-    write_tree(path, xr.DataTree(read_tree(path).to_dataset(inherit=False)))
+    write_groups(path, {"/": read_study_groups(path)["/"]})
     with pytest.raises(ResultsError, match="holds nothing to judge"):
         gate(path, Baseline(tmp_path / "none"))
 

@@ -18,13 +18,13 @@ from mpmverify.criteria import (
     CRITERIA,
 )
 from mpmverify.criteria.evidence import SeriesId
-from mpmverify.dataset.criteria import read_criteria, with_criteria
+from mpmverify.dataset.criteria import criterion_table, read_criteria
 from mpmverify.dataset.files import Results, check_ours
 from mpmverify.dataset.fits import read_orders
 from mpmverify.dataset.levels import read_levels
 from mpmverify.dataset.statement import statement
-from mpmverify.dataset.study import read_study, read_tree, solvers, stored_findings
-from mpmverify.dataset.tree import write_tree
+from mpmverify.dataset.study import read_study, read_study_groups, read_tree, solvers, stored_findings
+from mpmverify.dataset.tree import Group, read_groups, text, variable, write_groups
 from mpmverify.errors import UsageError
 from mpmverify.execution.gate import accept, gate, judged
 from mpmverify.execution.runner import run
@@ -68,25 +68,62 @@ def test_xarray_opens_the_tree_and_every_group(path):
                 xr.testing.assert_equal(dataset, mine)
 
 
-def test_a_tree_is_read_back_with_its_coordinates_texts_and_attributes(tmp_path):
-    texts = xr.Dataset(
-        {
-            "word": (("x", "y"), [["", "é"], ["a b ", "x" * 300]], {"long_name": "w"}),
-            "number": ("x", [1.5, np.nan], {"units": "m"}),
-        },
-        coords={"x": [3, 4], "mark": ("y", ["p", "q"]), "alone": ("z", ["r"]), "k": ("x", [1, 2], {"units": "1"})},
-        attrs={"title": "é", "count": 3},
-    )
-    nothing = xr.Dataset({"void": ("none", np.array([], dtype="U1")), "hollow": ("none", np.array([], dtype=float))})
-    made = xr.DataTree.from_dict({"/": texts, "/a": nothing, "/a/b": texts})
-    write_tree(tmp_path / "t.nc", made)
+WORDS = Group(
+    {
+        "word": variable(("x", "y"), np.array([["", "é"], ["a b ", "x" * 300]]), {"long_name": "w"}),
+        "number": variable("x", [1.5, np.nan], {"units": "m"}),
+    },
+    {
+        "x": variable("x", [3, 4]),
+        "mark": variable("y", text(["p", "q"])),
+        "alone": variable("z", text(["r"])),
+        "k": variable("x", [1, 2], {"units": "1"}),
+    },
+    {"title": "é", "count": 3},
+)
+NOTHING = Group({"void": variable("none", text([])), "hollow": variable("none", [])})
+
+
+def test_xarray_reads_groups_with_their_coordinates_texts_and_attributes(tmp_path):
+    made = {"/": WORDS, "/a": NOTHING, "/a/b": WORDS}
+    write_groups(tmp_path / "t.nc", made)
+    tree = xr.DataTree.from_dict({place: xr.Dataset(*map(dict, vars(group).values())) for place, group in made.items()})
     with xr.open_datatree(tmp_path / "t.nc") as back:
-        assert back.groups == made.groups
-        for group in made.groups:
-            one, other = made[group].to_dataset(inherit=False), back[group].to_dataset(inherit=False)
-            assert set(one.coords) == set(other.coords)
+        assert back.groups == tree.groups
+        for place in made:
+            mine, other = tree[place].to_dataset(inherit=False), back[place].to_dataset(inherit=False)
+            assert set(mine.coords) == set(other.coords)
             other.attrs.pop("checksum", None)
-            xr.testing.assert_identical(one, other)
+            xr.testing.assert_identical(mine, other)
+
+
+def test_groups_are_read_back_as_they_were_written(tmp_path):
+    made = {"/": WORDS, "/a": NOTHING, "/a/b": WORDS}
+    write_groups(tmp_path / "t.nc", made)
+    with netCDF4.Dataset(tmp_path / "t.nc") as file:
+        _, back = read_groups(file)
+    assert list(back) == list(made)
+    for place, group in made.items():
+        found = back[place].variables
+        assert list(found) == [*group.variables, *group.coordinates]
+        for name, (dimensions, values, attributes) in (*group.variables.items(), *group.coordinates.items()):
+            assert found[name].dimensions == dimensions
+            assert found[name].values.dtype.kind == values.dtype.kind
+            np.testing.assert_array_equal(found[name].values, values)
+            assert attributes.items() <= found[name].attributes.items()
+        assert group.attributes.items() <= back[place].attributes.items()
+
+
+def test_variables_that_disagree_on_a_dimension_are_not_written(tmp_path):
+    wrong = Group({"a": variable("x", [1.0]), "b": variable("x", [1.0, 2.0])})
+    with pytest.raises(ValueError, match="b has 2 values along x, where others have 1"):
+        write_groups(tmp_path / "t.nc", {"/": wrong})
+
+
+def test_a_tree_is_what_xarray_opens(path):
+    mine = read_tree(path)
+    with xr.open_datatree(path) as tree:
+        xr.testing.assert_identical(mine, tree.load())
 
 
 def test_a_file_may_be_open_many_times(stored):
@@ -101,7 +138,7 @@ def test_a_file_may_be_open_many_times(stored):
 def test_every_solver_is_a_group_with_errors_by_level(stored):
     with xr.open_datatree(stored[0] / "mixed.nc") as tree:
         assert list(tree.children) == list(MIXED.solvers())
-        for _, dataset in solvers(tree):
+        for dataset in tree.children.values():
             assert dataset["error"].dims == ("level", "quantity", "norm")
             assert {"h", "dt", "courant", "ppc", "case", "refinement"} <= set(dataset["error"].coords)
             np.testing.assert_array_equal(dataset["h"], [level.h for level in ladder().tier("quick")])
@@ -183,13 +220,13 @@ def test_snapshots_hold_the_profiles_of_the_runs(stored):
 
 
 def test_judging_a_stored_study_reproduces_its_findings(stored, path):
-    tree = read_tree(path)
-    assert stored_findings(tree) == stored[1][path.stem].findings
+    groups = read_study_groups(path)
+    assert stored_findings(groups) == stored[1][path.stem].findings
     again = judged(read_study(path), plan(stored[0]).baseline)
-    assert again.findings == stored_findings(tree)
+    assert again.findings == stored_findings(groups)
     orders = {}
-    for solver, dataset in solvers(tree):
-        orders |= read_orders(dataset, read_levels(solver, dataset))
+    for solver, group in solvers(groups):
+        orders |= read_orders(group, read_levels(solver, group))
     fits = {
         (series, " ".join(measure)): (found.fit.order, found.fit.low, found.fit.high)
         for series, measures in again.fits.items()
@@ -207,14 +244,15 @@ def test_a_restricted_run_states_its_restriction_and_the_missing_baseline_entrie
     kept, other = tuple(whole.solvers())
     (entry,) = run([whole.restricted((kept,))], plan(tmp_path / "part", baseline=known))
     path = tmp_path / "part" / "whole.nc"
-    tree = read_tree(path)
-    assert tree.attrs["restricted_to"] == kept
+    groups = read_study_groups(path)
+    assert groups["/"].attributes["restricted_to"] == kept
     assert entry.findings[-1].solver == other
     assert entry.findings[-1].reason.endswith(f"the run was restricted to {kept}: run the whole study")
-    assert stored_findings(tree) == gate(path, known) == entry.findings
+    assert stored_findings(groups) == gate(path, known) == entry.findings
     assert gate(path, Baseline(tmp_path / "none"))[-1].solver == kept
-    del tree.attrs["restricted_to"], tree.attrs["lacking"]
-    assert {f.solver for f in stored_findings(tree)} == {kept}, "a file without these attributes has no such finding"
+    older = {name: value for name, value in groups["/"].attributes.items() if name not in ("restricted_to", "lacking")}
+    found = stored_findings(groups | {"/": dataclasses.replace(groups["/"], attributes=older)})
+    assert {finding.solver for finding in found} == {kept}, "a file without these attributes has no such finding"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -277,11 +315,10 @@ def test_criteria_are_read_back_as_equal_values(tmp_path):
 
 def test_an_unknown_criterion_is_named():
     declared = {SeriesId("hill", "tg", "nu_C=1"): CRITERION_OF_EACH_KIND[:1]}
-    dataset = with_criteria(xr.Dataset(), "tg", declared)
-    stored = json.loads(dataset["criterion_json"].item()) | {"type": "Magic"}
-    dataset["criterion_json"] = ("criterion", [json.dumps(stored)])
+    column = criterion_table("tg", declared).columns
+    stored = json.loads(column["criterion_json"].item()) | {"type": "Magic"}
     with pytest.raises(UsageError, match="the criterion 'Magic' of case 'hill' is unknown: choose from Order"):
-        read_criteria("tg", dataset)
+        read_criteria("tg", column | {"criterion_json": text([json.dumps(stored)])})
 
 
 def test_a_study_without_criteria_metrics_or_finished_runs_is_stored(tmp_path):

@@ -14,6 +14,8 @@ from mpmverify.criteria import Balance, Order
 from mpmverify.dataset import provenance
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.history import BEFORE, RUN, History
+from mpmverify.dataset.study import read_study_groups
+from mpmverify.dataset.tree import write_groups
 from mpmverify.execution.runner import run
 from mpmverify.judgement.change import Change, Direction, Kind
 from mpmverify.reports import render
@@ -121,9 +123,9 @@ def test_lost_verdicts_are_judged_again_and_change_nothing(tmp_path: Path, judge
 
 
 def as_older(path: Path) -> None:
-    with netCDF4.Dataset(path, "a") as file:
-        for name in (RUN, BEFORE):
-            file.delncattr(name)
+    groups = read_study_groups(path)
+    attributes = {name: value for name, value in groups["/"].attributes.items() if name not in (RUN, BEFORE)}
+    write_groups(path, groups | {"/": dataclasses.replace(groups["/"], attributes=attributes)})
 
 
 def as_damaged(path: Path) -> None:

@@ -14,8 +14,8 @@ from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Order, Separated
 from mpmverify.criteria.evidence import Level, evidence_by_series
 from mpmverify.dataset.files import Results
-from mpmverify.dataset.sources import NAMES, with_sources
-from mpmverify.dataset.study import read_study, read_tree, stored_findings, write_study
+from mpmverify.dataset.sources import NAMES, source_table
+from mpmverify.dataset.study import read_study, read_study_groups, read_tree, stored_findings, write_study
 from mpmverify.execution.gate import judged
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.judging import judge
@@ -67,17 +67,19 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Record]:
 
 
 def test_sources_are_stored_and_judging_the_file_again_gives_the_same_findings(stored: tuple[Results, Record]) -> None:
-    tree = read_tree(stored[0].study("sources"))
-    dataset = tree["good"].to_dataset(inherit=False)
+    path = stored[0].study("sources")
+    dataset = read_tree(path)["good"].to_dataset(inherit=False)
     assert dataset["source"].values.tolist() == list(NAMES)
     assert dataset["source_exponent"].dims == ("separation", "source")
     found = dataset["source_exponent"].isel(separation=0).sel(source=["h", "dt"]).values
     np.testing.assert_allclose(found, [2, 1], atol=1e-4)
     np.testing.assert_allclose(dataset["source_cosine"].isel(separation=0).sel(source="h", beside="dt"), 1, atol=1e-3)
-    again = judged(read_study(stored[0].study("sources")), Baseline(Path("none")))
-    assert again.findings == stored_findings(tree)
-    assert with_sources(dataset.drop_dims(("separation", "source", "beside")), "good", again).identical(dataset)
-    verdicts = {(f.refinement, f.criterion): f.verdict for f in stored_findings(tree) if f.gate == "verification"}
+    again, groups = judged(read_study(path), Baseline(Path("none"))), read_study_groups(path)
+    assert again.findings == stored_findings(groups)
+    kept = groups["/good"].columns
+    for name, values in source_table("good", again).columns.items():
+        np.testing.assert_array_equal(values, kept[name])
+    verdicts = {(f.refinement, f.criterion): f.verdict for f in stored_findings(groups) if f.gate == "verification"}
     assert verdicts[LADDERS["design"].label, BOTH.title] is Verdict.PASS
 
 

@@ -17,7 +17,7 @@ from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Amplification, Balance, Order
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.leftovers import leftovers
-from mpmverify.dataset.study import read_tree, stored_findings
+from mpmverify.dataset.study import read_study_groups, read_tree, stored_findings
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
 from mpmverify.execution import evaluation, runner
@@ -126,9 +126,9 @@ def test_a_change_of_title_or_criteria_solves_nothing(tmp_path, change):
     judged_once(study(), tmp_path)
     entry = judged_once(change(study()), tmp_path)
     assert (entry.solved, entry.reused) == (0, LEVELS)
-    stored = read_tree(tmp_path / "scripted.nc")
+    stored = read_study_groups(tmp_path / "scripted.nc")
     assert stored_findings(stored) == entry.findings
-    assert stored.attrs["title"] == change(study()).title
+    assert stored["/"].attributes["title"] == change(study()).title
 
 
 def test_a_changed_baseline_changes_verdicts_without_solving(tmp_path):
@@ -246,7 +246,7 @@ def test_a_failure_affects_no_other_series_and_is_repeated(failing):
     path, journal, entry, again = failing
     neighbour = [f.verdict for f in entry.findings if f.solver == "scripted-good" and f.gate == "verification"]
     assert neighbour == [Verdict.PASS, Verdict.PASS]
-    assert again.findings == entry.findings == stored_findings(read_tree(path / "scripted.nc"))
+    assert again.findings == entry.findings == stored_findings(read_study_groups(path / "scripted.nc"))
     retried = len(REASONS.keys() - FINISHED)
     assert (entry.solved, entry.reused) == (LEVELS * (len(REASONS) + 1), 0)
     assert (again.solved, again.reused) == (retried, LEVELS * (len(REASONS) + 1) - retried)

@@ -5,19 +5,19 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import xarray as xr
+import numpy as np
 
 from mpmverify.criteria import CRITERIA
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import SeriesId
-from mpmverify.dataset.tree import text
+from mpmverify.dataset.tree import Group, text, variable
 from mpmverify.errors import UsageError
 
 COLUMNS = ("criterion_case", "criterion_refinement", "criterion_json")
 
 
-def with_criteria(dataset: xr.Dataset, solver: str, declared: Mapping[SeriesId, Sequence[Criterion]]) -> xr.Dataset:
-    """Return the dataset of a solver with its declared criteria added, one row for each criterion."""
+def criterion_table(solver: str, declared: Mapping[SeriesId, Sequence[Criterion]]) -> Group:
+    """Return the declared criteria of a solver, one row for each criterion."""
     rows = [
         # Every criterion is a dataclass; a protocol cannot express that.
         (series.case, series.refinement, json.dumps({"type": type(one).__name__} | dataclasses.asdict(one)))  # type: ignore[call-overload]
@@ -25,11 +25,11 @@ def with_criteria(dataset: xr.Dataset, solver: str, declared: Mapping[SeriesId, 
         if series.solver == solver
         for one in criteria
     ]
-    return dataset.assign({name: ("criterion", text([row[k] for row in rows])) for k, name in enumerate(COLUMNS)})
+    return Group({name: variable("criterion", text([row[k] for row in rows])) for k, name in enumerate(COLUMNS)})
 
 
-def read_criteria(solver: str, dataset: xr.Dataset) -> dict[SeriesId, tuple[Criterion, ...]]:
-    """Return the declared criteria of a solver by series.
+def read_criteria(solver: str, column: Mapping[str, np.ndarray]) -> dict[SeriesId, tuple[Criterion, ...]]:
+    """Return the declared criteria of a solver by series, from the columns of its group.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def read_criteria(solver: str, dataset: xr.Dataset) -> dict[SeriesId, tuple[Crit
         If the stored criteria cannot be parsed.
     """
     table: dict[SeriesId, tuple[Criterion, ...]] = {}
-    for case, refinement, stored in zip(*(dataset[name].values.tolist() for name in COLUMNS), strict=True):
+    for case, refinement, stored in zip(*(column[name].tolist() for name in COLUMNS), strict=True):
         criterion = stored_criterion(stored, f"case {case!r}")
         series = SeriesId(case, solver, refinement)
         table[series] = (*table.get(series, ()), criterion)

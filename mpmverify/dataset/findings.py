@@ -5,11 +5,9 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import netCDF4
 import numpy as np
-import xarray as xr
 
-from mpmverify.dataset.tree import text
+from mpmverify.dataset.tree import Group, text, variable
 from mpmverify.judgement.findings import Finding
 
 LACKING = "lacking"
@@ -17,16 +15,16 @@ LACKING = "lacking"
 COLUMNS = ("case", "refinement", "gate", "criterion", "verdict", "reason", "source", "limit")
 
 
-def with_findings(dataset: xr.Dataset, findings: Sequence[Finding]) -> xr.Dataset:
-    """Return the dataset of a solver with its findings added, one row for each criterion."""
-    return dataset.assign(
-        {f"verdict_{name}": ("finding", text([str(getattr(finding, name)) for finding in findings])) for name in COLUMNS}
+def finding_table(findings: Sequence[Finding]) -> Group:
+    """Return the findings of a solver, one row for each criterion."""
+    return Group(
+        {f"verdict_{name}": variable("finding", text([getattr(finding, name) for finding in findings])) for name in COLUMNS}
     )
 
 
-def read_findings(study: str, solver: str, dataset: xr.Dataset | netCDF4.Group) -> list[Finding]:
-    """Return the findings of a solver."""
-    columns = [np.asarray(dataset[f"verdict_{name}"][...]).tolist() for name in COLUMNS]
+def read_findings(study: str, solver: str, column: Mapping[str, Any]) -> list[Finding]:
+    """Return the findings of a solver from the columns of its group, or the variables of an open file."""
+    columns = [np.asarray(column[f"verdict_{name}"][...]).tolist() for name in COLUMNS]
     where = {"study": study, "solver": solver}
     return [Finding.of(where | dict(zip(COLUMNS, row, strict=True))) for row in zip(*columns, strict=True)]
 

@@ -3,20 +3,19 @@
 from collections.abc import Sequence
 
 import numpy as np
-import xarray as xr
 
 from mpmverify.criteria.evidence import Level, SeriesId
 from mpmverify.criteria.norms import NORMS
-from mpmverify.dataset.tree import text
+from mpmverify.dataset.tree import Group, text, variable
 from mpmverify.judgement.judging import Judged
 
 
-def with_fits(dataset: xr.Dataset, levels: Sequence[Level], judged: Judged) -> xr.Dataset:
-    """Return the dataset of a solver with the fits of each series and the observed orders between its levels added."""
+def fit_table(levels: Sequence[Level], judged: Judged) -> Group:
+    """Return the fits of each series of a solver, and the observed orders between its levels, by the quantities of the levels."""
     rows: dict[SeriesId, list[int]] = {}
     for index, level in enumerate(levels):
         rows.setdefault(level.series, []).append(index)
-    quantities = dataset["quantity"].values.tolist()
+    quantities = list(dict.fromkeys(quantity for level in levels for quantity in level.errors))
     shape = (len(rows), len(quantities), len(NORMS))
     numbers = {name: np.full(shape, np.nan) for name in ("order", "order_low", "order_high", "floor")}
     words = {name: np.full(shape, "", dtype=object) for name in ("classification", "dropped")}
@@ -45,29 +44,33 @@ def with_fits(dataset: xr.Dataset, levels: Sequence[Level], judged: Judged) -> x
         "order_high": "upper end of its 95 % interval",
         "floor": "relative error floor E0 where one shows",
     }
-    return dataset.assign(
-        {name: (dims, values, {"units": "1", "long_name": meaning[name]}) for name, values in numbers.items()}
-        | {name: (dims, values) for name, values in words.items()}
+    return Group(
+        {name: variable(dims, values, {"units": "1", "long_name": meaning[name]}) for name, values in numbers.items()}
+        | {name: variable(dims, values.astype(str)) for name, values in words.items()}
         | {
-            "order_pairwise": (
+            "order_pairwise": variable(
                 ("level", "quantity", "norm"),
                 pairwise,
                 {"units": "1", "long_name": "observed order from the coarser level"},
             ),
-            "kept": (("level", "quantity", "norm"), kept, {"units": "1", "long_name": "1 where the level is in the fit"}),
-        }
-    ).assign_coords(
-        series_case=("series", text([identity.case for identity in rows])),
-        series_refinement=("series", text([identity.refinement for identity in rows])),
-        series_axis=("series", text(axes), {"long_name": "size that the series refines; empty for a design"}),
+            "kept": variable(
+                ("level", "quantity", "norm"), kept, {"units": "1", "long_name": "1 where the level is in the fit"}
+            ),
+        },
+        {
+            "series_case": variable("series", text([identity.case for identity in rows])),
+            "series_refinement": variable("series", text([identity.refinement for identity in rows])),
+            "series_axis": variable("series", text(axes), {"long_name": "size that the series refines; empty for a design"}),
+        },
     )
 
 
-def read_orders(dataset: xr.Dataset, levels: Sequence[Level]) -> dict[tuple[SeriesId, str], tuple[float, float, float]]:
+def read_orders(group: Group, levels: Sequence[Level]) -> dict[tuple[SeriesId, str], tuple[float, float, float]]:
     """Return (order, low, high) of each fit by (series, "quantity norm"); series without a fit are omitted."""
     series = list(dict.fromkeys(level.series for level in levels))
-    fits = np.stack([dataset[name].values for name in ("order", "order_low", "order_high")], axis=-1)
-    names = [f"{quantity} {norm}" for quantity in dataset["quantity"].values.tolist() for norm in NORMS]
+    column = group.columns
+    fits = np.stack([column[name] for name in ("order", "order_low", "order_high")], axis=-1)
+    names = [f"{quantity} {norm}" for quantity in column["quantity"].tolist() for norm in NORMS]
     return {
         (identity, name): (order, low, high)
         for identity, table in zip(series, fits, strict=True)

@@ -7,10 +7,9 @@ from typing import Any
 
 import netCDF4
 import numpy as np
-import xarray as xr
 
 from mpmverify.dataset.findings import read_findings
-from mpmverify.dataset.tree import text
+from mpmverify.dataset.tree import Group, text, variable
 from mpmverify.judgement.change import Change, Direction, Kind
 from mpmverify.judgement.comparison import verdict_changes
 from mpmverify.judgement.findings import Finding
@@ -63,8 +62,10 @@ def history(path: Path, run: str, inputs: str, findings: Sequence[Finding], rest
     try:
         with netCDF4.Dataset(path) as file:
             kept = {name: str(file.getncattr(name)) for name in file.ncattrs()}
-            columns = {name: variable[...] for name, variable in file.variables.items()}
-            found = [entry for solver, group in file.groups.items() for entry in read_findings(path.stem, solver, group)]
+            columns = {name: values[...] for name, values in file.variables.items()}
+            found = [
+                entry for solver, group in file.groups.items() for entry in read_findings(path.stem, solver, group.variables)
+            ]
             changes = verdict_changes(found, findings)
             if not changes and kept["inputs"] in ("", inputs):
                 return read_history(path.stem, kept, columns)
@@ -76,18 +77,19 @@ def history(path: Path, run: str, inputs: str, findings: Sequence[Finding], rest
     return History(run, before, changes)
 
 
-def with_history(root: xr.Dataset, past: History) -> xr.Dataset:
-    """Return the root of a study's tree with its history added, one row for each changed verdict."""
-    return root.assign(
-        {f"changed_{name}": ("change", text([getattr(c, name) or "" for c in past.changes])) for name in COLUMNS}
-    ).assign_attrs({RUN: past.run, BEFORE: past.before})
+def change_table(past: History) -> Group:
+    """Return the part of a file's root that holds the history of a study, one row for each changed verdict."""
+    return Group(
+        {f"changed_{name}": variable("change", text([getattr(c, name) or "" for c in past.changes])) for name in COLUMNS},
+        attributes={RUN: past.run, BEFORE: past.before},
+    )
 
 
-def read_history(study: str, attributes: Mapping[str, Any], columns: Mapping[str, Any]) -> History:
-    """Return the history of a study from the attributes and the variables of the root of its file; an empty one of an older file."""
+def read_history(study: str, attributes: Mapping[str, Any], column: Mapping[str, np.ndarray]) -> History:
+    """Return the history of a study from the attributes and the columns of the root of its file; an empty one of an older file."""
     if RUN not in attributes:
         return History()
-    rows = zip(*(np.asarray(columns[f"changed_{name}"]).tolist() for name in COLUMNS), strict=True)
+    rows = zip(*(column[f"changed_{name}"].tolist() for name in COLUMNS), strict=True)
     return History(attributes[RUN], attributes[BEFORE], tuple(_change(study, *row) for row in rows))
 
 

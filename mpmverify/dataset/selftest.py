@@ -13,15 +13,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import xarray as xr
+import netCDF4
 
 from mpmverify.atomic import write_atomic
 from mpmverify.convergence.synthetic import Rate
 from mpmverify.dataset import provenance
 from mpmverify.dataset.files import check_ours, damaged, make_way
-from mpmverify.dataset.study import text
-from mpmverify.dataset.tree import write_tree
+from mpmverify.dataset.tree import Group, read_groups, text, variable, write_groups
 from mpmverify.judgement.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
 
 KINDS: dict[str, type[Any]] = {"fault": PlantedFault, "run": UnmodifiedRun, "kind": Rate}
@@ -42,25 +40,26 @@ def write_selftest(path: Path, test: SelfTest) -> None:
     attributes = provenance.attributes(
         "selftest", "Planted faults", "Verdicts on solvers with one fault each, and on random series of known truth."
     )
-    root = xr.Dataset(
-        attrs=attributes | {"id": "selftest", "tier": test.tier, "sites": test.sites, "every_study": int(test.every_study)}
-    )
-    groups = {"/": root, "/faults": _columns("fault", test.faults), "/runs": _columns("run", test.runs)}
+    said = {"id": "selftest", "tier": test.tier, "sites": test.sites, "every_study": int(test.every_study)}
+    groups = {
+        "/": Group(attributes=attributes | said),
+        "/faults": _columns("fault", test.faults),
+        "/runs": _columns("run", test.runs),
+    }
     groups |= {f"/{name}": _columns("kind", getattr(test.rates, name)) for name in RATES}
-    tree = xr.DataTree.from_dict(groups)
-    write_atomic(path, lambda temporary: write_tree(temporary, tree))
+    write_atomic(path, lambda temporary: write_groups(temporary, groups))
 
 
-def _columns(dimension: str, rows: Sequence[Any]) -> xr.Dataset:
+def _columns(dimension: str, rows: Sequence[Any]) -> Group:
     variables = {}
     for entry in dataclasses.fields(KINDS[dimension]):
         values = [getattr(row, entry.name) for row in rows]
         attributes = {"long_name": WORDS.get(entry.name, entry.name)}
         if values and isinstance(values[0], str):
-            variables[entry.name] = (dimension, text(values), attributes)
+            variables[entry.name] = variable(dimension, text(values), attributes)
         else:
-            variables[entry.name] = (dimension, np.array(values), attributes | {"units": UNITS.get(entry.name, "1")})
-    return xr.Dataset(variables)
+            variables[entry.name] = variable(dimension, values, attributes | {"units": UNITS.get(entry.name, "1")})
+    return Group(variables)
 
 
 def read_selftest(path: Path) -> SelfTest:
@@ -73,18 +72,18 @@ def read_selftest(path: Path) -> SelfTest:
     """
     attributes = check_ours(path, "selftest")
     try:
-        with xr.open_datatree(path, engine="netcdf4") as tree:
-            faults = tuple(
-                dataclasses.replace(row, fate=Fate(row.fate)) for row in _rows(PlantedFault, tree["faults"].to_dataset())
-            )
-            runs = _rows(UnmodifiedRun, tree["runs"].to_dataset())
-            rates = Rates(*(_rows(Rate, tree[name].to_dataset()) for name in RATES))
-            every_study = bool(attributes["every_study"])
-            return SelfTest(str(attributes["tier"]), int(attributes["sites"]), faults, runs, rates, every_study)
+        with netCDF4.Dataset(path) as file:
+            _, groups = read_groups(file)
+        faults = tuple(dataclasses.replace(row, fate=Fate(row.fate)) for row in _rows(PlantedFault, groups["/faults"]))
+        runs = _rows(UnmodifiedRun, groups["/runs"])
+        rates = Rates(*(_rows(Rate, groups[f"/{name}"]) for name in RATES))
+        every_study = bool(attributes["every_study"])
+        return SelfTest(str(attributes["tier"]), int(attributes["sites"]), faults, runs, rates, every_study)
     except (OSError, RuntimeError, AttributeError, ValueError, KeyError) as error:
         raise damaged(path) from error
 
 
-def _rows(kind: Any, dataset: xr.Dataset) -> tuple[Any, ...]:
-    columns = [dataset[entry.name].values.tolist() for entry in dataclasses.fields(kind)]
+def _rows(kind: Any, group: Group) -> tuple[Any, ...]:
+    column = group.columns
+    columns = [column[entry.name].tolist() for entry in dataclasses.fields(kind)]
     return tuple(kind(*row) for row in zip(*columns, strict=True))

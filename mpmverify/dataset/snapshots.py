@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
-from mpmverify.dataset.tree import text
+from mpmverify.dataset.tree import Group, Variable, text, variable
 from mpmverify.problem import Array
 from mpmverify.problem.quantities import UNITS, components, history_units
 
@@ -49,8 +48,8 @@ class Snapshots:
     histories: Mapping[str, Array]
 
 
-def snapshot_groups(shots: Sequence[Snapshots]) -> dict[str, xr.Dataset]:
-    """Return the datasets of a solver's snapshots and histories by group name: "snapshots", "histories_2d" and so on."""
+def snapshot_groups(shots: Sequence[Snapshots]) -> dict[str, Group]:
+    """Return the groups of a solver's snapshots and histories by name: "snapshots", "histories_2d" and so on."""
     groups = {}
     for dimension, suffix in DIMENSIONS.items():
         if selected := [shot for shot in shots if shot.reference.shape[1] == dimension]:
@@ -59,8 +58,8 @@ def snapshot_groups(shots: Sequence[Snapshots]) -> dict[str, xr.Dataset]:
     return groups
 
 
-def _profiles(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
-    variables: dict[str, Any] = {}
+def _profiles(shots: Sequence[Snapshots], dimension: int) -> Group:
+    variables: dict[str, Variable] = {}
 
     def put(quantity: str, suffix: str, read: Any, long_name: str, attributes: Mapping[str, str]) -> None:
         names = components(quantity, dimension)
@@ -68,7 +67,7 @@ def _profiles(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
         columns = [np.asarray(read(shot, blank)).reshape(-1, len(names)) for shot, blank in zip(shots, absent, strict=True)]
         for name, values in zip(names, np.concatenate(columns).T, strict=True):
             shown = name.replace(quantity, long_name).replace("_", " ")
-            variables[name + suffix] = ("obs", values, {**attributes, "long_name": shown})
+            variables[name + suffix] = variable("obs", values, {**attributes, "long_name": shown})
 
     place = {"units": "m"}
     put("reference", "", lambda s, _: np.tile(s.reference, (len(s.time), 1)), "reference position", place)
@@ -84,16 +83,16 @@ def _profiles(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
             )
             put(quantity, "_error", lambda s, blank, q=quantity: _error(s, q, blank), f"error of {quantity}", attributes)
     rows = [(shot, t) for shot in shots for t in shot.time]
-    return xr.Dataset(
+    return Group(
         variables,
-        coords={
-            "case": ("output", text([shot.case for shot, _ in rows])),
-            "refinement": ("output", text([shot.refinement for shot, _ in rows])),
-            "h": ("output", np.array([shot.h for shot, _ in rows]), {"units": "m", "long_name": "cell size"}),
-            "time": ("output", np.array([t for _, t in rows]), {"units": "s", "long_name": "output time"}),
-            "row_size": (
+        {
+            "case": variable("output", text([shot.case for shot, _ in rows])),
+            "refinement": variable("output", text([shot.refinement for shot, _ in rows])),
+            "h": variable("output", [shot.h for shot, _ in rows], {"units": "m", "long_name": "cell size"}),
+            "time": variable("output", [t for _, t in rows], {"units": "s", "long_name": "output time"}),
+            "row_size": variable(
                 "output",
-                np.array([len(shot.reference) for shot, _ in rows]),
+                [len(shot.reference) for shot, _ in rows],
                 {"units": "1", "long_name": "points of the profile", "sample_dimension": "obs"},
             ),
         },
@@ -113,23 +112,23 @@ def _samples(shot: Snapshots) -> tuple[int, int]:
     return len(shot.time), len(shot.reference)
 
 
-def _histories(shots: Sequence[Snapshots], dimension: int) -> xr.Dataset:
+def _histories(shots: Sequence[Snapshots], dimension: int) -> Group:
     names = list(dict.fromkeys(name for shot in shots for name in shot.histories))
     variables = {}
     units = history_units(dimension, transported=any("u" in shot.fields for shot in shots))
     for name in names:
         columns = [shot.histories.get(name, np.full(len(shot.histories["time"]), np.nan)) for shot in shots]
         attributes = {"units": units[name], "long_name": name.replace("_", " ")}
-        variables[f"history_{name}"] = ("obs", np.concatenate(columns), attributes)
-    return xr.Dataset(
+        variables[f"history_{name}"] = variable("obs", np.concatenate(columns), attributes)
+    return Group(
         variables,
         # The dimension is not "series", the dimension of the fits: a series without a run to show has fits but no histories.
-        coords={
-            "case": ("shown", text([shot.case for shot in shots])),
-            "refinement": ("shown", text([shot.refinement for shot in shots])),
-            "row_size": (
+        {
+            "case": variable("shown", text([shot.case for shot in shots])),
+            "refinement": variable("shown", text([shot.refinement for shot in shots])),
+            "row_size": variable(
                 "shown",
-                np.array([len(shot.histories["time"]) for shot in shots]),
+                [len(shot.histories["time"]) for shot in shots],
                 {"units": "1", "long_name": "samples of the history", "sample_dimension": "obs"},
             ),
         },

@@ -1,11 +1,10 @@
 """Separated sources of error in the dataset of a solver, one row for each criterion that separates them."""
 
 import numpy as np
-import xarray as xr
 
 from mpmverify.convergence.axis import UNITS
 from mpmverify.convergence.sources import REST, Source
-from mpmverify.dataset.tree import text
+from mpmverify.dataset.tree import Group, text, variable
 from mpmverify.judgement.judging import Judged
 
 NAMES = (*UNITS, REST)
@@ -18,8 +17,8 @@ MEANING = {
 }
 
 
-def with_sources(dataset: xr.Dataset, solver: str, judged: Judged) -> xr.Dataset:
-    """Return the dataset of a solver with its separated sources of error added; sources that a criterion does not model are NaN."""
+def source_table(solver: str, judged: Judged) -> Group:
+    """Return the separated sources of error of a solver, empty if there are none; sources that a criterion does not model are NaN."""
     rows = [
         (series, criterion, separation)
         for series, separations in judged.separations.items()
@@ -27,7 +26,7 @@ def with_sources(dataset: xr.Dataset, solver: str, judged: Judged) -> xr.Dataset
         for criterion, separation in separations
     ]
     if not rows:
-        return dataset
+        return Group()
     found = [separation for _, _, separation in rows]
     table = {name: np.full((len(rows), len(NAMES)), np.nan) for name in MEANING}
     cosine = np.full((len(rows), len(NAMES), len(NAMES)), np.nan)
@@ -46,21 +45,26 @@ def with_sources(dataset: xr.Dataset, solver: str, judged: Judged) -> xr.Dataset
         "obstacle": [separation.obstacle for separation in found],
     }
     residual = np.array([separation.residual for separation in found])
-    return dataset.assign(
-        {f"separation_{name}": ("separation", text(values)) for name, values in texts.items()}
-        | {"separation_residual": ("separation", residual, {"units": "1", "long_name": "root mean square of log(error/fit)"})}
+    return Group(
+        {f"separation_{name}": variable("separation", text(values)) for name, values in texts.items()}
         | {
-            f"source_{name}": (("separation", "source"), table[name], {"units": "1", "long_name": meaning})
+            "separation_residual": variable(
+                "separation", residual, {"units": "1", "long_name": "root mean square of log(error/fit)"}
+            )
+        }
+        | {
+            f"source_{name}": variable(("separation", "source"), table[name], {"units": "1", "long_name": meaning})
             for name, meaning in MEANING.items()
         }
         | {
-            "source_cosine": (
+            "source_cosine": variable(
                 ("separation", "source", "beside"),
                 cosine,
                 {"units": "1", "long_name": "cosine between the error fields of two sources"},
             )
-        }
-    ).assign_coords(source=("source", text(NAMES)), beside=("beside", text(NAMES)))
+        },
+        {"source": variable("source", text(NAMES)), "beside": variable("beside", text(NAMES))},
+    )
 
 
 def source_of(row: dict[str, float], size: str) -> Source | None:

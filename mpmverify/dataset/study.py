@@ -17,30 +17,31 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import netCDF4
-import numpy as np
-import xarray as xr
 
 from mpmverify.atomic import write_atomic
 from mpmverify.criteria.criterion import Criterion
 from mpmverify.criteria.evidence import Level, SeriesId
 from mpmverify.dataset import provenance
-from mpmverify.dataset.criteria import read_criteria, with_criteria
+from mpmverify.dataset.criteria import criterion_table, read_criteria
 from mpmverify.dataset.files import SCHEMA, check_ours, damaged, make_way
-from mpmverify.dataset.findings import lacking_attribute, read_findings, read_lacking, with_findings
-from mpmverify.dataset.fits import with_fits
-from mpmverify.dataset.history import History, history, with_history
+from mpmverify.dataset.findings import finding_table, lacking_attribute, read_findings, read_lacking
+from mpmverify.dataset.fits import fit_table
+from mpmverify.dataset.history import change_table, history
 from mpmverify.dataset.levels import level_table, read_levels
 from mpmverify.dataset.snapshots import Snapshots, snapshot_groups
-from mpmverify.dataset.sources import with_sources
+from mpmverify.dataset.sources import source_table
 from mpmverify.dataset.statement import statement
-from mpmverify.dataset.tree import CHECKSUM, Group, decoded, read_groups, text, write_tree
+from mpmverify.dataset.tree import CHECKSUM, COORDINATES, Group, Variable, read_groups, text, variable, write_groups
 from mpmverify.errors import MpmverifyError, ResultsError
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.judging import Judged
 from mpmverify.study import Study
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def write_study(
@@ -54,8 +55,8 @@ def write_study(
     inputs: str,
     run: str,
     problems: Mapping[str, str] = MappingProxyType({}),
-) -> None:
-    """Write the file of a judged study, with what has changed since the file that it replaces.
+) -> dict[str, Group]:
+    """Write the file of a judged study, with what has changed since the file that it replaces, and return its groups by path.
 
     Parameters
     ----------
@@ -86,34 +87,27 @@ def write_study(
     make_way(path, "study")
     series = [finding for findings in judged.by_series.values() for finding in findings]
     past = history(path, run, inputs, series, study.restricted_to)
-    tree = study_tree(study, levels, snapshots, judged, past, tier=tier, inputs=inputs)
-    tree.attrs["problems"] = json.dumps(dict(problems))
-    write_atomic(path, lambda temporary: write_tree(temporary, tree))
-
-
-def study_tree(
-    study: Study,
-    levels: Sequence[Level],
-    snapshots: Mapping[SeriesId, Snapshots],
-    judged: Judged,
-    past: History,
-    *,
-    tier: str,
-    inputs: str,
-) -> xr.DataTree:
-    """Return the tree of a judged study; for the parameters see `write_study`."""
-    root = with_history(_root(study, tier, inputs, sorted({level.seed for level in levels if level.jitter})), past)
-    groups = {"/": root.assign_attrs(lacking_attribute(judged.missing_series))}
+    attributes = lacking_attribute(judged.missing_series) | {"problems": json.dumps(dict(problems))}
+    root = _root(study, tier, inputs, sorted({level.seed for level in levels if level.jitter}))
+    groups = {"/": root.joined(change_table(past)).joined(Group(attributes=attributes))}
+    declared = study.criteria()
     for name, solver in study.solvers().items():
         mine = [level for level in levels if level.solver == name]
-        dataset = level_table(mine).assign_attrs(solver=name, scheme=_describe(solver), orders=json.dumps(dict(solver.orders)))
-        dataset = with_criteria(dataset, name, study.criteria())
-        dataset = with_sources(with_fits(dataset, mine, judged), name, judged)
         findings = [finding for series, some in judged.by_series.items() if series.solver == name for finding in some]
-        groups[f"/{name}"] = with_findings(dataset, findings)
+        said = Group(attributes={"solver": name, "scheme": _describe(solver), "orders": json.dumps(dict(solver.orders))})
+        for part in (
+            level_table(mine),
+            criterion_table(name, declared),
+            fit_table(mine, judged),
+            source_table(name, judged),
+            finding_table(findings),
+        ):
+            said = said.joined(part)
+        groups[f"/{name}"] = said
         shown = [shot for series, shot in snapshots.items() if series.solver == name]
         groups |= {f"/{name}/{group}": part for group, part in snapshot_groups(shown).items()}
-    return xr.DataTree.from_dict(groups)
+    write_atomic(path, lambda temporary: write_groups(temporary, groups))
+    return groups
 
 
 def _describe(value: Any) -> str:
@@ -122,11 +116,11 @@ def _describe(value: Any) -> str:
     return f"{type(value).__name__}({choices})"
 
 
-def _root(study: Study, tier: str, inputs: str, seeds: Sequence[int]) -> xr.Dataset:
-    def each(read: Any) -> tuple[str, np.ndarray]:
-        return "study_case", text([read(case) for case in study.cases])
+def _root(study: Study, tier: str, inputs: str, seeds: Sequence[int]) -> Group:
+    def each(read: Any) -> Variable:
+        return variable("study_case", text([read(case) for case in study.cases]))
 
-    return xr.Dataset(
+    return Group(
         {
             "exposes": each(lambda case: case.problem.exposes),
             "citation": each(lambda case: case.problem.exact.citation),
@@ -135,8 +129,8 @@ def _root(study: Study, tier: str, inputs: str, seeds: Sequence[int]) -> xr.Data
             "shown": each(lambda case: case.shown),
         },
         # Groups inherit coordinates from their parent, and the solvers' groups have a coordinate "case" by level.
-        coords={"study_case": each(lambda case: case.name)},
-        attrs=provenance.attributes("study", study.title, study.summary)
+        {"study_case": each(lambda case: case.name)},
+        provenance.attributes("study", study.title, study.summary)
         | {
             "id": study.name,
             "tier": tier,
@@ -179,56 +173,78 @@ def read_study(path: Path) -> StoredStudy:
     UsageError
         If a declared criterion is unknown.
     """
-    groups = _read_groups(path)
+    groups = read_study_groups(path)
     levels: list[Level] = []
     declared: dict[SeriesId, tuple[Criterion, ...]] = {}
     with parsing(path):
-        for place, group in groups.items():
-            if place.count("/") == 1 and place != "/":
-                solver, dataset = place.removeprefix("/"), decoded(group)
-                levels += read_levels(solver, dataset)
-                declared |= read_criteria(solver, dataset)
+        for solver, group in solvers(groups):
+            levels += read_levels(solver, group)
+            declared |= read_criteria(solver, group.columns)
     attributes = groups["/"].attributes
     return StoredStudy(attributes["id"], attributes, tuple(levels), declared)
 
 
-def solvers(tree: xr.DataTree) -> Iterator[tuple[str, xr.Dataset]]:
-    """Yield the name and the dataset of each solver in a study's tree."""
-    for name, node in tree.children.items():
-        yield name, node.to_dataset(inherit=False)
+def solvers(groups: Mapping[str, Group]) -> Iterator[tuple[str, Group]]:
+    """Yield the name and the group of each solver of a study."""
+    for place, group in groups.items():
+        if place.count("/") == 1 and place != "/":
+            yield place.removeprefix("/"), group
 
 
-def stored_findings(tree: xr.DataTree) -> tuple[Finding, ...]:
-    """Return all findings of a study's tree, the one on missing baseline entries last."""
-    name = tree.attrs["id"]
-    findings = [finding for solver, dataset in solvers(tree) for finding in read_findings(name, solver, dataset)]
-    missing = read_lacking(tree.attrs)
+def stored_findings(groups: Mapping[str, Group]) -> tuple[Finding, ...]:
+    """Return all findings of a study, the one on missing baseline entries last."""
+    attributes = groups["/"].attributes
+    name = attributes["id"]
+    findings = [finding for solver, group in solvers(groups) for finding in read_findings(name, solver, group.columns)]
+    missing = read_lacking(attributes)
     return (*findings, *([missing] if missing else []))
 
 
-def read_tree(path: Path) -> xr.DataTree:
-    """Read a study's file into memory as a tree.
+def read_tree(path: Path) -> "xr.DataTree":
+    """Read a study's file into memory as a tree of xarray datasets, after the checks of `read_study_groups`.
+
+    Raises
+    ------
+    ResultsError
+        As `read_study_groups` does.
+    """
+    import xarray as xr  # takes a second, which nothing else here needs
+
+    def dataset(group: Group) -> xr.Dataset:
+        named: set[str] = set()
+
+        def without_names(attributes: Mapping[str, Any]) -> dict[str, Any]:
+            named.update(str(attributes.get(COORDINATES, "")).split())
+            return {name: value for name, value in attributes.items() if name != COORDINATES}
+
+        variables = {name: (along, values, without_names(said)) for name, (along, values, said) in group.variables.items()}
+        return xr.Dataset(variables, attrs=without_names(group.attributes)).set_coords(named)
+
+    groups = read_study_groups(path)
+    with parsing(path):
+        return xr.DataTree.from_dict({place: dataset(group) for place, group in groups.items()})
+
+
+def read_study_groups(path: Path, *, renamed: bool = False) -> dict[str, Group]:
+    """Return the groups of a study's file by path, after all checks; the root's path is "/".
+
+    Parameters
+    ----------
+    path : Path
+    renamed : bool
+        Whether the file may have another name than the study.
 
     Raises
     ------
     ResultsError
         If the file is missing, unreadable, damaged, not an mpmverify study, or a study with another name than the file.
     """
-    groups = _read_groups(path)
-    try:
-        return xr.DataTree.from_dict({place: decoded(group) for place, group in groups.items()})
-    except (ValueError, TypeError, LookupError) as error:
-        raise damaged(path) from error
-
-
-def _read_groups(path: Path) -> dict[str, Group]:
-    """Return the groups of a study's file as they are stored, after all checks; the root's path is "/"."""
     try:
         with netCDF4.Dataset(path) as file:
             stated = {name: str(file.getncattr(name)) for name in file.ncattrs()}
             if (stated.get("mpmverify_kind"), stated.get("mpmverify_schema")) != ("study", str(SCHEMA)):
                 check_ours(path, "study")  # says what it is, before more of it is read
-            if stated.get("id") != path.stem:
+            if not renamed and stated.get("id") != path.stem:
                 raise ResultsError(
                     f"'{path}' contains the study {stated.get('id')!r}: rename it to '{stated.get('id')}.nc', or move it away"
                 )
