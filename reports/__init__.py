@@ -9,25 +9,64 @@ A page is rendered if it is missing, or if its study file or the code of the rep
 and modification time of each file, without reading a dataset.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
 
 from mpmverify.dataset.files import Results, set_aside
 from mpmverify.errors import DamagedError
 
-from .manifest import Manifest
+from .manifest import Manifest, Source
 
 if TYPE_CHECKING:
+    from mpmverify.dataset.tree import Group
     from mpmverify.judgement.comparison import Comparison
     from mpmverify.judgement.tables import Tables
 
     from .benchmark_reader import Measured
+    from .record import Record
 
-__all__ = ["render", "render_alone", "render_comparison", "render_markdown", "render_pdf"]
+__all__ = ["MadePage", "render", "render_alone", "render_comparison", "render_markdown", "render_pdf", "render_study"]
 
 
-def render(results: Results, *, fresh: bool = False, benchmarks: Sequence[Path] = ()) -> Path:
+class MadePage(NamedTuple):
+    """What the page of a study was made of, and the state of its file then."""
+
+    record: "Record"
+    source: Source
+
+
+def render_study(results: Results, study: str, groups: "Mapping[str, Group]") -> MadePage | None:
+    """Write the page of a study that was just judged, so that `render` need not.
+
+    Parameters
+    ----------
+    results : Results
+    study : str
+    groups : mapping of str to Group
+        What was written to its file.
+
+    Returns
+    -------
+    MadePage or None
+        None if the page cannot be made; then `render` tries again, and says why.
+    """
+    from .site import write_study
+
+    try:
+        return MadePage(write_study(results, study, groups), Source.of(results.study(study)))
+    except Exception:  # `render` raises it again, when the verdicts have been shown
+        return None
+
+
+def render(
+    results: Results,
+    *,
+    fresh: bool = False,
+    benchmarks: Sequence[Path] = (),
+    pages: Mapping[str, MadePage | None] = MappingProxyType({}),
+) -> Path:
     """Write the report of a results folder; pages that are up to date are not rendered again.
 
     Parameters
@@ -37,6 +76,8 @@ def render(results: Results, *, fresh: bool = False, benchmarks: Sequence[Path] 
         Render every page, even if it is up to date.
     benchmarks : sequence of Path
         Files of pytest-benchmark, of which a page is made; a report that is made without them has no such page.
+    pages : mapping of str to MadePage or None
+        Pages of studies that are made, by name; one whose file has changed since is made again.
 
     Returns
     -------
@@ -64,7 +105,8 @@ def render(results: Results, *, fresh: bool = False, benchmarks: Sequence[Path] 
         except DamagedError:  # cut off, or written before it held what the pages show
             set_aside(results.selftest)
             manifest = Manifest.of(results, benchmarks)
-        manifest.write(results, known, write(results, manifest, known, measured))
+        made = {name: page.record for name, page in pages.items() if page and manifest.studies.get(name) == page.source}
+        manifest.write(results, known, write(results, manifest, known, measured, made))
     return results.report / "index.html"
 
 

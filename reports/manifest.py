@@ -38,6 +38,11 @@ class Source:
     size: int
     modified: int
 
+    @classmethod
+    def of(cls, path: Path) -> "Source":
+        status = path.stat()
+        return cls(status.st_size, status.st_mtime_ns)
+
 
 @dataclass(frozen=True)
 class Manifest:
@@ -87,8 +92,8 @@ class Manifest:
         ResultsError
             If a study has the name of another page of the report.
         """
-        studies = {path.stem: _source(path) for path in results.studies()}
-        selftest = _source(results.selftest) if results.selftest.exists() else None
+        studies = {path.stem: Source.of(path) for path in results.studies()}
+        selftest = Source.of(results.selftest) if results.selftest.exists() else None
         taken = {
             "index": "the index page",
             TRUST: "the trust page",
@@ -167,11 +172,6 @@ def handbook_files() -> list[Path]:
 def handbook_name(file: str) -> str:
     """Return the name of the page of a text of the handbook."""
     return "handbook/index" if file == HANDBOOK_INDEX else f"handbook/{Path(file).stem}"
-
-
-def _source(path: Path) -> Source:
-    status = path.stat()
-    return Source(status.st_size, status.st_mtime_ns)
 
 
 def _digest(path: Path) -> str:

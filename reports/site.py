@@ -3,9 +3,10 @@
 import dataclasses
 import importlib.util
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
+from types import MappingProxyType
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -14,6 +15,7 @@ import mpmverify
 from mpmverify.atomic import write_atomic
 from mpmverify.dataset.files import Results, check_ours, set_aside
 from mpmverify.dataset.selftest import read_selftest
+from mpmverify.dataset.tree import Group
 from mpmverify.errors import ResultsError
 from mpmverify.judgement.kill_table import SelfTest
 
@@ -27,7 +29,8 @@ from .manifest import COMPARE, HANDBOOK, PERFORMANCE, PROBLEMS, SOLVERS, TRUST, 
 from .pages import IndexPage, StudyPage, TrustPage
 from .parts import Link
 from .performance_page import PerformancePage, performance_page
-from .reader import read
+from .reader import read, record_of
+from .record import Record
 from .solver_page import solver_pages
 from .solver_pages import SolverPage, SolversPage
 from .study_page import study_page
@@ -67,8 +70,34 @@ ORIGIN = {"Written": "date_created", "Commit": "commit", "Tier": "tier", "Versio
 """Attributes of the self-test file that the trust page shows, by label."""
 
 
-def write(results: Results, manifest: Manifest, known: Manifest, benchmarks: Sequence[Measured] = ()) -> tuple[str, ...]:
+def write_study(results: Results, study: str, groups: Mapping[str, Group]) -> Record:
+    """Write the page of a study from the groups of its file, and return what it was made of.
+
+    Raises
+    ------
+    ResultsError
+        If a file that is no page of a report has the path of the page, or it cannot be written.
+    """
+    record, path = record_of(study, groups), page(results, study)
+    make_way(path)
+    _write(path, render(study_page(record, _runs(results), GENERATOR)))
+    return record
+
+
+def _runs(results: Results) -> set[str]:
+    return {path.stem for path in results.runs.glob("*.nc")}
+
+
+def write(
+    results: Results,
+    manifest: Manifest,
+    known: Manifest,
+    benchmarks: Sequence[Measured] = (),
+    made: Mapping[str, Record] = MappingProxyType({}),
+) -> tuple[str, ...]:
     """Write the pages that are stale beside the `known` report, the pages that are made of all studies, and the assets.
+
+    Of the studies that `made` has, `write_study` has written the pages.
 
     Returns
     -------
@@ -80,11 +109,11 @@ def write(results: Results, manifest: Manifest, known: Manifest, benchmarks: Seq
     ResultsError
         If a study file is damaged, plotly is missing, or a file that is no page of a report has the path of a page.
     """
-    stale = manifest.stale(known, results)
+    stale = [name for name in manifest.stale(known, results) if name not in made]
     for name in (*stale, "index"):
         make_way(page(results, name))
-    runs = {path.stem for path in results.runs.glob("*.nc")}
-    records = [read(results.study(name)) for name in sorted(manifest.studies)]
+    runs = _runs(results)
+    records = [made.get(name) or read(results.study(name)) for name in sorted(manifest.studies)]
     _write_assets(results, manifest)
     test = read_selftest(results.selftest) if manifest.selftest else None
     whole: dict[str, Page] = {PROBLEMS: catalogue_page(records, test.faults if test else (), GENERATOR)}

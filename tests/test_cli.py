@@ -25,6 +25,7 @@ from mpmverify.dataset.study import read_tree
 from mpmverify.errors import ResultsError
 from mpmverify.execution import processes as pool
 from mpmverify.execution import runner
+from mpmverify.execution.runner import nothing
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.summary import STEP_SUMMARY
@@ -46,6 +47,7 @@ def bench(monkeypatch):
         monkeypatch.setitem(sys.modules, f"mpmverify.studies.{name}", SimpleNamespace(STUDY=declared))
     monkeypatch.setattr(pool, "over_processes", lambda tasks, jobs, timeout: pool.inline(tasks))
     monkeypatch.setattr(reports, "render", lambda results, **_: results.report / "index.html")
+    monkeypatch.setattr(reports, "render_study", nothing)
 
 
 def call(*arguments, **environment):
@@ -583,7 +585,7 @@ def test_a_line_is_printed_before_the_next_study_is_judged(tmp_path, monkeypatch
     """Without a terminal, too."""
     printed = []
 
-    def two_studies(chosen, plan, progress):
+    def two_studies(chosen, plan, progress, show):
         for name, seconds in (("one", 1.25), ("another", 0.5)):
             printed.append(capsys.readouterr().out)
             yield runner.StudyRun(name, (), 0, 0, seconds)

@@ -1,8 +1,10 @@
 """Baselines, stored studies and reports that commands work on."""
 
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import click
@@ -12,6 +14,7 @@ from mpmverify.errors import UsageError
 if TYPE_CHECKING:
     from mpmverify.dataset.files import Results
     from mpmverify.judgement.baseline import Baseline
+    from mpmverify.reports import MadePage
 
 
 def shipped_baseline() -> Path:
@@ -67,6 +70,7 @@ def show_report(
     *,
     fresh: bool = False,
     opened: bool = False,
+    pages: "Mapping[str, MadePage | None]" = MappingProxyType({}),
 ) -> None:
     """Render the report, print where it is, and open it in the browser when asked to.
 
@@ -83,10 +87,13 @@ def show_report(
         Render every page, even if it is up to date.
     opened : bool
         Open it in the browser.
+    pages : mapping of str to MadePage or None
+        Pages of studies that `render_study` has made, by name.
     """
     from mpmverify import reports
 
-    page = reports.render_markdown(results) if form == "md" else reports.render(results, fresh=fresh, benchmarks=benchmarks)
+    html = partial(reports.render, results, fresh=fresh, benchmarks=benchmarks, pages=pages)
+    page = reports.render_markdown(results) if form == "md" else html()
     if form == "pdf":
         page = reports.render_pdf(results)
     elif alone:

@@ -91,6 +91,7 @@ def run(
     from mpmverify.execution.processes import processors
     from mpmverify.execution.runner import Plan
     from mpmverify.execution.runner import run as run_studies
+    from mpmverify.reports import render_study
 
     plan = Plan(
         results=Results(out),
@@ -104,20 +105,22 @@ def run(
     chosen = _judging(own, studies, solvers, courant, plan) if own else _chosen(studies, solvers, courant)
     names = [study.name for study in chosen]
     findings: list[Finding] = []
+    pages = {}
     solved = reused = 0
     output = console()
     table = StudyTable(output, names, timed=True)
     with Progress(output) as progress:
-        for judged in run_studies(chosen, plan, progress.update):
+        for judged in run_studies(chosen, plan, progress.update, render_study):
             table.add(judged.study, judged.findings, judged.seconds)
             findings += judged.findings
+            pages[judged.study] = judged.shown
             solved, reused = solved + judged.solved, reused + judged.reused
     findings.sort(key=lambda finding: names.index(finding.study))
     show(output, findings, explain=explain)
     if own:
         show_diagnosis(output, chosen, findings, plan.results)
     click.echo(f"{solved} runs solved, {reused} already at hand.")
-    show_report(plan.results, opened=open_)  # last: the verdicts are shown even when no report can be written
+    show_report(plan.results, opened=open_, pages=pages)  # last: the verdicts are shown even when no report can be written
     sys.exit(exit_status([finding.verdict for finding in findings]))
 
 

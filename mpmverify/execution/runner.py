@@ -4,14 +4,17 @@ import math
 import operator
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 from mpmverify.criteria import check_storable
 from mpmverify.criteria.evidence import evidence_by_series
 from mpmverify.dataset import provenance
 from mpmverify.dataset.files import Results, make_way
+from mpmverify.dataset.study import write_study
+from mpmverify.dataset.tree import Group
 from mpmverify.dataset.verdicts import read_verdicts, write_verdicts
 from mpmverify.execution import processes
 from mpmverify.execution.dask import Distributed
@@ -46,6 +49,8 @@ class StudyRun:
         How many runs were solved, and how many were read back.
     seconds : float
         Time of its runs, compilation included and summed over the processes, and of its judging [s]; 0 when all of it was at hand.
+    shown : object
+        What `show` made of it, see `run`; None when all of it was at hand.
     """
 
     study: str
@@ -53,6 +58,14 @@ class StudyRun:
     solved: int
     reused: int
     seconds: float
+    shown: Any = None
+
+
+Show = Callable[[Results, str, Mapping[str, Group]], Any]
+
+
+def nothing(results: Results, study: str, groups: Mapping[str, Group]) -> None:
+    """Show nothing of a study."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +126,10 @@ def tasks_of(study: Study, plan: Plan) -> list[Task]:
 
 
 def run(
-    studies: Sequence[Study], plan: Plan, progress: Callable[[str, int, int], None] = lambda *_: None
+    studies: Sequence[Study],
+    plan: Plan,
+    progress: Callable[[str, int, int], None] = lambda *_: None,
+    show: Show = nothing,
 ) -> Iterator[StudyRun]:
     """Run studies; each one is judged and written as soon as its last run is finished.
 
@@ -123,6 +139,9 @@ def run(
     plan : Plan
     progress : callable
         Called with (study, runs done, runs in all) after every run.
+    show : callable
+        Called with the results folder, the name of a study and the groups of its file when it is judged, in the process that judged it.
+        It must travel between processes, and so must what it returns.
 
     Raises
     ------
@@ -161,7 +180,7 @@ def run(
             progress(task.study, len(finished), len(tasks))
             complete = len(finished) == len(tasks)
             results = [finished[k] for k in range(len(tasks))] if complete else []
-            judged = partial(_judged, by_name[task.study], plan, tasks, results, started, digests[task.study])
+            judged = partial(_judged, by_name[task.study], plan, tasks, results, started, digests[task.study], show)
             yield judged if complete else None, left > 0
 
     if here or plan.scheduler:
@@ -190,7 +209,8 @@ def _beside(calls: "Iterable[tuple[partial[StudyRun] | None, bool]]") -> Iterato
                 if finished := judge.receive():
                     yield finished[1] or finished[0]()
             if waiting and not judge.task and going_on:  # the last study is not worth another process
-                judge.start(waiting.popleft())
+                judge.start(waiting[0])
+                waiting.popleft()
         if call := judge.task:
             yield judge.result() or call()
         while waiting:
@@ -245,10 +265,13 @@ def _inputs(study: Study, plan: Plan, tasks: Sequence[Task]) -> str:
     return digest(study, plan.tier, keys, file_digest(plan.baseline.path), code=JUDGING)
 
 
-def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated], run: str, inputs: str) -> StudyRun:
-    """Judge a study whose runs are all finished, and store it; for `run`, when the run of all studies started, and `inputs` see there."""
-    from mpmverify.dataset.study import write_study  # imports xarray, which a run with nothing to do does without
+def _judged(
+    study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated], run: str, inputs: str, show: Show
+) -> StudyRun:
+    """Judge a study whose runs are all finished, store it and show it.
 
+    `write_study` says what `run`, when the run of all studies started, and `inputs` are.
+    """
     started = time.perf_counter()
     levels = [entry.level for entry in evaluated]
     evidence = evidence_by_series(levels)
@@ -260,8 +283,10 @@ def _judged(study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence
     snapshots = {entry.level.series: entry.snapshots for entry in evaluated if entry.snapshots}
     problems = {case.name: problem_digest(case.problem) for case in study.cases}
     path = plan.results.study(study.name)
-    write_study(path, study, levels, snapshots, judged, tier=plan.tier, inputs=inputs, run=run, problems=problems)
+    groups = write_study(path, study, levels, snapshots, judged, tier=plan.tier, inputs=inputs, run=run, problems=problems)
     write_verdicts(plan.results, study.name, inputs, judged.findings)
     solved = sum(entry.solved for entry in evaluated)
     seconds = sum(entry.seconds for entry in evaluated) + time.perf_counter() - started
-    return StudyRun(study.name, judged.findings, solved, len(evaluated) - solved, seconds)
+    return StudyRun(
+        study.name, judged.findings, solved, len(evaluated) - solved, seconds, show(plan.results, study.name, groups)
+    )

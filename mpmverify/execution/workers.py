@@ -138,6 +138,7 @@ class Worker(Generic[T, R]):
             self._spawn()
             self.connection.send(task)
         except (AttributeError, TypeError, pickle.PicklingError) as error:
+            self.task = None  # nobody works on it
             raise UsageError(
                 f"{task} cannot be sent to a worker process ({error}): define the class at the top of a module"
             ) from error
