@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.special import stdtr, stdtrit
 from scipy.stats import t as student_t
 
-from mpmverify.convergence.student import student_density, student_probability, student_quantile
+from mpmverify.convergence.student import Mixture, student, student_probability, student_quantile
 
 
 @given(st.lists(st.integers(1, 60), min_size=1, max_size=9), st.floats(-40, 40))
@@ -18,10 +18,22 @@ def test_the_probability(degrees_of_freedom, t):
     assert student_probability(n, np.full(len(n), t)) == pytest.approx(expected, abs=1e-14)
 
 
-@given(st.lists(st.integers(1, 60), min_size=1, max_size=9), st.floats(-40, 40))
+@given(st.integers(1, 60), st.floats(-40, 40))
 def test_the_density(degrees_of_freedom, t):
-    n = np.array(degrees_of_freedom, dtype=float)
-    np.testing.assert_allclose(student_density(n, np.full(len(n), t)), student_t.pdf(t, n), rtol=1e-9)
+    _, density = student(degrees_of_freedom, np.array([t]))
+    np.testing.assert_allclose(density, student_t.pdf(t, degrees_of_freedom), rtol=1e-9)
+
+
+PART = st.tuples(st.integers(1, 9), st.floats(-3, 3), st.floats(1e-3, 3), st.floats(0.01, 1))
+
+
+@given(st.lists(PART, min_size=1, max_size=5), st.floats(0.05, 0.99))
+def test_the_interval_of_a_mixture_leaves_the_same_on_either_side(parts, confidence):
+    freedom, middle, scale, weight = np.array(parts).T
+    weight /= weight.sum()
+    low, high = Mixture(freedom, middle, scale, weight).interval(confidence)
+    outside = [float(stdtr(freedom, side * (end - middle) / scale) @ weight) for side, end in ((1, low), (-1, high))]
+    np.testing.assert_allclose(outside, 0.5 - confidence / 2, atol=1e-6)
 
 
 @given(st.integers(1, 60), st.floats(0.01, 0.9999))

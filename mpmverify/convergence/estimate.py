@@ -7,16 +7,15 @@ tells nothing. The coarser levels are rough: their errors lie anywhere. A run of
 freedom, so that its interval is wide.
 """
 
-import itertools
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from mpmverify.convergence.levels import Array
-from mpmverify.convergence.student import student_density, student_probability, student_quantile
+from mpmverify.convergence.student import Mixture, student_probability
 
 SCATTER = 0.005
 """Standard deviation of log E about a law that is expected before the errors are seen."""
@@ -40,10 +39,6 @@ NEAR_ZERO = 0.1
 """Least ratio of an error to its first term at which the error tells its order: nearer to a change of its sign, scatter rules it."""
 AMPLITUDES = np.linspace(-0.55, 0.55, 48)
 """Ratios of the alternating part to the other one at the coarsest size."""
-END = 1e-7
-"""Accuracy of the end of an interval, which lies between the least and the greatest end by a single law."""
-NEWTON = 50
-"""Number of steps of Newton's iteration to an end, after which it is bisection."""
 NEGLIGIBLE = 1e-3
 """Probability of the least probable laws, all together, that are left out."""
 
@@ -149,33 +144,16 @@ class Estimate:
 
     def interval(self, confidence: float) -> tuple[float, float]:
         """Interval of the order of the finest step, with equal probabilities below and above."""
-        tails = np.array([0.5 - confidence / 2, 0.5 + confidence / 2])
-        freedom = self.freedom.astype(int)
-        half_width = np.array([student_quantile(n, confidence) for n in range(1, freedom.max() + 1)])[freedom - 1] * self.error
-        quantiles = self.limit + self.step + np.stack([-half_width, half_width])
-        low, high, end = quantiles.min(axis=1), quantiles.max(axis=1), quantiles[:, 0]
-        # Newton's iteration from the ends by the most probable law; a step that leaves the bracket, or a late one, halves it instead.
-        for attempt in itertools.count():
-            missing = tails - self.step_below(end)
-            if not np.all(np.isfinite(missing)):  # of sizes over so many decades that their squares overflow
-                break
-            low, high = np.where(missing > 0, end, low), np.where(missing > 0, high, end)
-            newton = end + missing / self._step_density(end)
-            following = np.where((low <= newton) & (newton <= high) & (attempt < NEWTON), newton, (low + high) / 2)
-            if np.all(np.abs(following - end) <= END * np.maximum(1.0, np.abs(end))):
-                return min(float(following[0]), self.order), max(float(following[1]), self.order)
-            end = following
-        return math.nan, math.nan
+        low, high = self._steps.interval(confidence)
+        return min(low, self.order), max(high, self.order)
 
-    def step_below(self, order: Array | float) -> Array:
-        """Probability that the order of the finest step lies below a value, or each of several (m,)."""
-        away = (np.asarray(order)[..., None] - self.limit - self.step) / self.error
-        probability: Array = student_probability(self.freedom, away) @ self.weight
-        return probability
+    def step_below(self, order: float) -> float:
+        """Probability that the order of the finest step lies below a value."""
+        return float(self._steps.below(np.array([float(order)]))[0][0])
 
-    def _step_density(self, order: Array) -> Array:
-        away = (order[:, None] - self.limit - self.step) / self.error
-        return np.maximum(student_density(self.freedom, away) / self.error @ self.weight, np.finfo(float).tiny)
+    @cached_property
+    def _steps(self) -> Mixture:
+        return Mixture(self.freedom, self.limit + self.step, self.error, self.weight)
 
     def below(self, order: float) -> Tail:
         """Probabilities that the order lies below a value."""
