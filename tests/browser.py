@@ -34,12 +34,40 @@ console.error = (...parts) => faults.push(parts.join(" "));
 </script>"""
 
 
+THIN = """
+  const kinds = new Map(), numbers = new Map(), cut = [];
+  const kind = (node) => {  // nodes of one kind have the same tag, attributes, looks, and kinds of nodes within
+    if (!numbers.has(node)) {
+      const said = [...node.attributes].map(({ name, value }) => (name === "class" || name === "style" ? name + value : name));
+      const within = node.localName === "math" ? [] : [...new Set([...node.children].map(kind))];
+      const text = [node.localName, ...said.sort(), ...within.sort()].join(" ");
+      if (!kinds.has(text)) kinds.set(text, kinds.size);
+      numbers.set(node, kinds.get(text));
+    }
+    return numbers.get(node);
+  };
+  const thin = (parent) => {
+    const seen = new Map();
+    for (const child of [...parent.children]) {
+      seen.set(kind(child), (seen.get(kind(child)) ?? 0) + 1);
+      if (seen.get(kind(child)) <= 2) {
+        thin(child);
+      } else {
+        cut.push([child, parent, child.nextSibling]);
+        child.remove();
+      }
+    }
+  };
+  thin(document.body);
+"""
+"""Leaves two of each kind among the children of a node: axe-core takes half a minute for a page of sixty thousand."""
 CHECK = """
   for (const folded of [...document.querySelectorAll("details")].slice(0, 12)) folded.open = true;
   const dark = matchMedia("(prefers-color-scheme: dark)").matches;
   const all = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
   const runOnly = dark ? { type: "rule", values: ["color-contrast"] } : all;  // a dark ground changes colours alone
   const { violations } = await axe.run(document, { runOnly, resultTypes: ["violations"] });
+  for (const [child, parent, next] of cut.reverse()) parent.insertBefore(child, next);
   const serious = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
   return { dark, serious: serious.map(({ id, nodes }) => `${id}: ${nodes[0].html.slice(0, 200)} (${nodes.length})`) };
 """
@@ -122,7 +150,7 @@ addEventListener("load", async () => {{
 
 
 def examined(page: Path, report: Path, scheme: str, profile: Path, act: str = "return {};", window: str = "1280,900") -> dict:
-    """Look at a page by axe-core, where it is installed, and act on it then.
+    """Look at a page by axe-core, where it is installed, two of each kind of what it repeats, and act on the whole page then.
 
     Parameters
     ----------
@@ -138,7 +166,7 @@ def examined(page: Path, report: Path, scheme: str, profile: Path, act: str = "r
     """
     code, look = "", 'return { serious: [], dark: matchMedia("(prefers-color-scheme: dark)").matches };'
     if AXE:
-        code, look = Path(AXE.submodule_search_locations[0], "axe.min.js").read_text(encoding="utf-8"), CHECK
+        code, look = Path(AXE.submodule_search_locations[0], "axe.min.js").read_text(encoding="utf-8"), THIN + CHECK
     both = f"{code}; const look = async () => {{ {look} }}; const act = async () => {{ {act} }};"
     dark = ["--force-dark-mode", "--blink-settings=preferredColorScheme=0"] if scheme == "dark" else []
     found = acted(page, report, both + "return { ...(await look()), ...(await act()) };", profile, *dark, window=window)

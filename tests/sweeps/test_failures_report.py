@@ -26,3 +26,20 @@ def test_every_link_leads_somewhere(report):
 def test_examined_nothing_serious(report, tmp_path, name, scheme):
     found = examined(report / f"{name}.html", report, scheme, tmp_path)
     assert (found["faults"], found["serious"]) == ([], [])
+
+
+@pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+@pytest.mark.skipif(AXE is None, reason="needs axe-core: pip install --no-deps axe-playwright-python")
+@pytest.mark.parametrize("looks", ['style="color: #ddd"', ""])
+def test_one_among_many_that_looks_different_is_found(report, tmp_path, looks):
+    rows = ["<tr><td>as all</td></tr>"] * 40
+    table = "".join([*rows, f"<tr><td><span {looks}>unlike all</span></td></tr>", *rows])
+    page = report / "many.html"
+    text = (report / "index.html").read_text(encoding="utf-8")
+    page.write_text(text.replace("</main>", f"<table>{table}</table></main>"), encoding="utf-8")
+    try:
+        found = examined(page, report, "light", tmp_path, "return { rows: document.querySelectorAll('main tr').length };")
+    finally:
+        page.unlink()
+    assert [line.partition(":")[0] for line in found["serious"]] == (["color-contrast"] if looks else [])
+    assert found["rows"] > 80, "all rows are there again"
