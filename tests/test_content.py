@@ -28,10 +28,16 @@ from mpmverify.errors import UsageError
 from mpmverify.exact.advection import Gaussian, PeriodicImages, advection
 from mpmverify.exact.ring import expanding_ring
 from mpmverify.execution import keys as content
-from mpmverify.execution.evaluation import run_key
 from mpmverify.execution.keys import digest
+from mpmverify.execution.run_keys import run_keys
 from mpmverify.problem import Block, Bodies, Discretisation, Disk, Inflow, Outflow, Ring, Transport
 from mpmverify.solvers.taylor_galerkin import TaylorGalerkin
+
+
+def run_key(problem, solver, level, criteria=()):
+    (key,) = run_keys(problem, solver, [level], criteria)
+    return key
+
 
 PROBLEM = advection(Gaussian())
 LEVEL = Discretisation(h=0.125, courant=0.5)
@@ -366,9 +372,9 @@ def test_the_key_of_a_solver_does_not_depend_on_exact_solutions_or_judging():
 
 def test_a_run_has_the_same_key_in_another_process():
     program = (
-        "from mpmverify.execution.evaluation import run_key; from mpmverify.exact.advection import *; from mpmverify.problem import *;"
+        "from mpmverify.execution.run_keys import run_keys; from mpmverify.exact.advection import *; from mpmverify.problem import *;"
         "from mpmverify.solvers.taylor_galerkin import TaylorGalerkin;"
-        "print(run_key(advection(Gaussian()), TaylorGalerkin(), Discretisation(h=0.125, courant=0.5)))"
+        "print(*run_keys(advection(Gaussian()), TaylorGalerkin(), [Discretisation(h=0.125, courant=0.5)]))"
     )
     assert key_in_a_fresh_process(Path(), program, PYTHONHASHSEED="4242") == KEY
 
@@ -390,3 +396,34 @@ def test_the_digest_of_a_file_depends_on_its_bytes(tmp_path):
     first = content.file_digest(path)
     path.write_text("{} ")
     assert len({absent, first, content.file_digest(path)}) == 3
+
+
+EVERYWHERE = """
+import a1
+def function():
+    import a2
+    async def inner():
+        async with x: import a3
+class Kind:
+    for k in range(3): import a4
+    else: import a5
+    while k:
+        if k: import a6
+        elif not k: import a7
+        else: import a8
+try: import a9
+except OSError: import a10
+else: import a11
+finally: import a12
+match k:
+    case 1: import a13
+    case _: from a14 import b
+"""
+
+
+def test_imports_are_found_wherever_they_stand(tmp_path, monkeypatch):
+    (tmp_path / "everywhere.py").write_text(EVERYWHERE)
+    for k in range(1, 15):
+        (tmp_path / f"a{k}.py").write_text("b = 1\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert {f"a{k}" for k in range(1, 15)} <= content.import_closure(["everywhere"])

@@ -22,6 +22,7 @@ from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
 from mpmverify.execution import evaluation, runner
 from mpmverify.execution.gate import accept, gate
+from mpmverify.execution.run_keys import run_keys
 from mpmverify.execution.runner import read_verdicts, run, tasks_of
 from mpmverify.judgement.baseline import read_baseline
 from mpmverify.problem import Discretisation
@@ -509,7 +510,7 @@ def test_the_keys_of_runs_are_distinct(tmp_path):
     tasks = tasks_of(study(Scripted(), Scripted("unstable")), plan(tmp_path))
     assert len({task.key for task in tasks}) == len(tasks)
     assert {len(task.key) for task in tasks} == {24}
-    assert tasks[0].key == evaluation.run_key(tasks[0].problem, tasks[0].solver, tasks[0].discretisation, tasks[0].criteria)
+    assert [tasks[0].key] == run_keys(tasks[0].problem, tasks[0].solver, [tasks[0].discretisation], tasks[0].criteria)
 
 
 @dataclasses.dataclass(frozen=True)

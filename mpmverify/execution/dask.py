@@ -19,8 +19,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from mpmverify.errors import MpmverifyError, UsageError
-from mpmverify.execution.evaluation import Evaluated, Task, evaluate, failed, read_back, run_key, stored
+from mpmverify.execution.evaluation import Evaluated, Task, evaluate, failed, read_back, stored
 from mpmverify.execution.processes import Waiting, failed_by
+from mpmverify.execution.run_keys import run_keys
 from mpmverify.execution.workers import Crew, Failure, Worker
 from mpmverify.solution import Status
 
@@ -222,7 +223,7 @@ def _solve_packed(packed: bytes) -> Evaluated | tuple[Failure, str]:
             f"a dask worker cannot import what it must run ({type(error).__name__}: {error}): install it where the worker runs, or "
             "give the worker a folder in which it lies"
         ) from error
-    if run_key(task.problem, task.solver, task.discretisation, task.criteria) != task.key:
+    if run_keys(task.problem, task.solver, [task.discretisation], task.criteria) != [task.key]:
         raise UsageError(
             f"{task}: a dask worker has another version of the solver, of mpmverify or of a numerical library: install the same ones "
             "on all machines"

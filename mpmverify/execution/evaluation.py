@@ -1,28 +1,26 @@
 """One run: solved or read back from its file, compared with the exact solution, and measured for the criteria."""
 
 import dataclasses
-import json
 import math
 import time
 import traceback
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mpmverify.criteria.criterion import Criterion, Setting, measurement
-from mpmverify.criteria.errors import ErrorCriterion
+from mpmverify.criteria.criterion import Criterion, Setting
 from mpmverify.criteria.evidence import Level
 from mpmverify.criteria.norms import compare
-from mpmverify.dataset.files import SCHEMA, Results, set_aside
+from mpmverify.dataset.files import Results, set_aside
 from mpmverify.dataset.runs import Run, read_run, write_run
 from mpmverify.dataset.snapshots import Snapshots
 from mpmverify.errors import DamagedError, MpmverifyError, UsageError
 from mpmverify.exact import VerificationProblem
 from mpmverify.execution.contract import breach, confirmed, malformed, plain
-from mpmverify.execution.keys import canonical, digest, in_library
+from mpmverify.execution.keys import in_library
 from mpmverify.problem import Discretisation
 from mpmverify.solution import Outcome, RunError, Solution, Solver, Status
 
@@ -116,34 +114,6 @@ class Evaluated:
     solved: bool = False
     seconds: float = 0.0
     run: Run | None = None
-
-
-def run_key(
-    problem: VerificationProblem, solver: Solver, discretisation: Discretisation, criteria: Sequence[Criterion] = ()
-) -> str:
-    """Content key of a run: what is solved and what is measured, the code of both and the numerical libraries.
-
-    Parameters
-    ----------
-    problem : VerificationProblem
-        Its texts are not in the key.
-    solver : Solver
-    discretisation : Discretisation
-    criteria : sequence of Criterion
-        What they measure is in the key. What they accept is not: a stored run can be judged anew.
-
-    Raises
-    ------
-    UsageError
-        If one of them is not a value; see `digest`.
-    """
-    code = {__name__}
-    measured = set()
-    for criterion in criteria:
-        if not isinstance(criterion, ErrorCriterion):
-            code.add(type(criterion).__module__)
-            measured.add(json.dumps([type(criterion).__qualname__, canonical(measurement(criterion), code)]))
-    return digest(SCHEMA, problem.problem, problem.exact, solver, discretisation, sorted(measured), code=code)
 
 
 def failed(task: Task, status: Status, detail: str, seconds: float = 0.0, advice: str = "") -> Evaluated:

@@ -9,15 +9,28 @@ import json
 import sys
 import sysconfig
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum
 from functools import cache
 from pathlib import Path
 from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 
 from mpmverify.dataset.provenance import library_versions
 from mpmverify.errors import UsageError
+
+
+class Reduced(NamedTuple):
+    """A value that is reduced to JSON already, see `canonical`, with the modules of what it is made of."""
+
+    body: Any
+    modules: frozenset[str]
+
+
+def reduced(value: Any) -> Reduced:
+    """Reduce a value that goes into many digests."""
+    modules: set[str] = set()
+    return Reduced(canonical(value, modules), frozenset(modules))
 
 
 def digest(*parts: Any, code: Iterable[str] = ()) -> str:
@@ -60,6 +73,9 @@ def canonical(value: Any, modules: set[str]) -> Any:
     """Reduce a value to JSON, and collect the modules of the classes and functions that it is made of."""
     if value is None or (isinstance(value, bool | int | float | str) and not isinstance(value, Enum)):
         return value
+    if isinstance(value, Reduced):
+        modules |= value.modules
+        return value.body
     if isinstance(value, Enum):
         modules.add(type(value).__module__)
         return [f"{type(value).__module__}.{type(value).__qualname__}", canonical(value.value, modules)]
@@ -183,7 +199,7 @@ def imported_names(module: str) -> frozenset[str]:
         return frozenset()
     package = module if _is_init(path) else module.rpartition(".")[0]
     names: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_bytes())):
+    for node in _statements(ast.parse(path.read_bytes())):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
             names.update(alias.name.partition(".")[0] for alias in node.names)  # `import a.b` binds a
@@ -195,6 +211,14 @@ def imported_names(module: str) -> frozenset[str]:
             names.update(f"{base}.{alias.name}" for alias in node.names)
     packages = {module.partition(".")[0], "mpmverify"}
     return frozenset(name for name in names if (top := name.partition(".")[0]) in packages or _is_open(top))
+
+
+def _statements(node: ast.AST) -> Iterator[ast.AST]:
+    """All statements within a statement or a module; `ast.walk` also goes through their expressions, where nothing is imported."""
+    for part in ("body", "orelse", "handlers", "finalbody", "cases"):
+        for inner in getattr(node, part, ()):
+            yield inner
+            yield from _statements(inner)
 
 
 @cache

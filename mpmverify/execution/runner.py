@@ -19,8 +19,9 @@ from mpmverify.dataset.verdicts import read_verdicts, write_verdicts
 from mpmverify.execution import processes
 from mpmverify.execution.dask import Distributed
 from mpmverify.execution.diagnosis import problem_digest
-from mpmverify.execution.evaluation import Evaluated, Task, run_key
+from mpmverify.execution.evaluation import Evaluated, Task
 from mpmverify.execution.keys import digest, file_digest
+from mpmverify.execution.run_keys import run_keys
 from mpmverify.execution.workers import Crew, Failure, Worker
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.findings import Finding
@@ -106,6 +107,7 @@ def tasks_of(study: Study, plan: Plan) -> list[Task]:
         common = series.refinement.tier("quick") or levels
         fitting = [k for k, level in enumerate(common) if _points(case.problem.problem, level) <= SHOWN_POINTS]
         shown = max(fitting, default=0)
+        keys = run_keys(case.problem, series.solver, levels, series.criteria)
         for k, level in enumerate(levels):
             task = Task(
                 results=plan.results.path,
@@ -117,7 +119,7 @@ def tasks_of(study: Study, plan: Plan) -> list[Task]:
                 solver=series.solver,
                 discretisation=level,
                 criteria=series.criteria,
-                key=run_key(case.problem, series.solver, level, series.criteria),
+                key=keys[k],
                 shown=k == shown,
                 reuse=plan.reuse,
             )
