@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import fdtrc
 
 from mpmverify.convergence import ROUND_OFF
 from mpmverify.convergence.levels import Array
-from mpmverify.convergence.superposition import EXPONENTS, Model, SumFit, student_quantile
+from mpmverify.convergence.student import student_quantile
+from mpmverify.convergence.superposition import CONFIDENCE, EXPONENTS, Model, SumFit
 from mpmverify.convergence.verdict import Judgement, Verdict
 from mpmverify.errors import UsageError
 
@@ -182,6 +182,8 @@ def _obstacle(logs: Mapping[str, Array], runs: int) -> str:
 
 def _least_unseen(centred: Mapping[str, Array], log_error: Array, fit: SumFit) -> str:
     """Return the smallest source that is not seen; "" if all are seen."""
+    from scipy.special import fdtrc  # as SciPy in `Model.fit`
+
     for k in np.argsort(fit.share, kind="stable"):
         name = tuple(centred)[k]
         without = Model({other: size for other, size in centred.items() if other != name}, log_error, KNOWN_EXPONENTS).fit()
@@ -202,7 +204,9 @@ def _interval_end(centred: Mapping[str, Array], log_error: Array, fit: SumFit, k
     name, exponent, half_width = tuple(centred)[k], float(fit.exponent[k]), float(fit.half_width[k])
     if not np.isfinite(half_width):
         return side * np.inf
-    worst = fit.squares * (1 + student_quantile(fit.degrees_of_freedom) ** 2 / fit.degrees_of_freedom) + EXACT_SQUARES
+    worst = (
+        fit.squares * (1 + student_quantile(fit.degrees_of_freedom, CONFIDENCE) ** 2 / fit.degrees_of_freedom) + EXACT_SQUARES
+    )
     end, step = exponent + side * half_width, max(0.25 * half_width, 0.01)
     while 0 < end + side * step < 2 * EXPONENTS[1]:
         other = Model(centred, log_error, KNOWN_EXPONENTS | {name: end + side * step}).fit(starts=2)

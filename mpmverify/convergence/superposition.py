@@ -9,10 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.special import stdtrit
 
 from mpmverify.convergence.levels import Array
+from mpmverify.convergence.student import student_quantile
 
 CONFIDENCE = 0.99
 """Confidence level of the intervals; above 95 % because several exponents are judged at once."""
@@ -108,6 +107,8 @@ class Model:
 
     def fit(self, starts: int = STARTS) -> SumFit:
         """Best of the fits from several starts."""
+        from scipy.optimize import least_squares  # takes a third of a second, which most studies do without
+
         size = float(np.mean(self.log_error))
         amplitudes = [(size - LARGEST, size + LARGEST)] * self.m
         bounds = np.array(amplitudes + [EXPONENTS] * self.f + [(-1.0, 1.0)] * len(self.first)).T
@@ -124,7 +125,7 @@ class Model:
         variance = np.full(self.parameters, np.inf)
         variance[inside] = np.diag(np.linalg.pinv(slopes.T @ slopes, hermitian=True)) * squares / degrees_of_freedom
         half_width = np.full(self.m, np.nan)
-        half_width[self.free] = student_quantile(degrees_of_freedom) * np.sqrt(variance[self.m : self.m + self.f])
+        half_width[self.free] = student_quantile(degrees_of_freedom, CONFIDENCE) * np.sqrt(variance[self.m : self.m + self.f])
         pairs = [(self.names[i], self.names[j]) for i, j in zip(self.first, self.second, strict=True)]
         _, exponent, cosine = self._parts(x)
         return SumFit(
@@ -169,8 +170,3 @@ class Model:
         cost = [np.sum(self.residuals(x) ** 2) for x in starts]
         best: Array = starts[np.argsort(cost, kind="stable")[:STARTS]]
         return best
-
-
-def student_quantile(degrees_of_freedom: int) -> float:
-    """Quantile of Student's t for a two-sided interval of level `CONFIDENCE`."""
-    return float(stdtrit(degrees_of_freedom, 0.5 + CONFIDENCE / 2))
