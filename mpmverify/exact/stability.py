@@ -3,7 +3,6 @@
 from functools import partial
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from mpmverify.exact.dispersion import symbols
 from mpmverify.problem import Array
@@ -58,6 +57,8 @@ def squared_limit(theta: Array, ppc: int, *, schedule: str, degree: int, terms: 
 
 def courant_limit(ppc: int, *, schedule: str, degree: int, terms: int = 0, full_mass: bool = True) -> float:
     """Return the Courant number up to which every mode is stable [1]; for the parameters see `squared_limit`."""
+    from scipy.optimize import minimize_scalar  # takes a third of a second, which most studies do without
+
     squared = partial(squared_limit, ppc=ppc, schedule=schedule, degree=degree, terms=terms, full_mass=full_mass)
     theta = np.pi * np.arange(1, SAMPLES + 1) / SAMPLES
     nearest, width = theta[np.argmin(squared(theta))], np.pi / SAMPLES
