@@ -16,7 +16,7 @@ pytest_plugins = ["pytester"]
 settings.register_profile("unhurried", deadline=None)
 settings.load_profile("unhurried")
 
-ONE_BY_ONE = ("tests/test_planted_faults.py", "tests/sweeps/test_quick_report.py")
+ONE_BY_ONE = ("tests/test_planted_faults.py", "tests/sweeps/test_named_faults.py", "tests/sweeps/test_quick_report.py")
 """Files whose tests share nothing: they come last, and keep all workers busy to the end."""
 
 
