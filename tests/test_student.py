@@ -24,6 +24,14 @@ def test_the_density(degrees_of_freedom, t):
     np.testing.assert_allclose(density, student_t.pdf(t, degrees_of_freedom), rtol=1e-9)
 
 
+@pytest.mark.parametrize("n", range(1, 8))
+@pytest.mark.parametrize("t", [1e100, 1e160, 1e300, np.inf])
+def test_far_away_the_probability_is_0_or_1(n, t):
+    below, density = student(n, np.array([-t, t]))
+    np.testing.assert_allclose(below, [0, 1], atol=1e-15)
+    np.testing.assert_array_equal(density < 1e-100, True)
+
+
 PART = st.tuples(st.integers(1, 9), st.floats(-3, 3), st.floats(1e-3, 3), st.floats(0.01, 1))
 
 

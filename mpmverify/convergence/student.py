@@ -15,6 +15,8 @@ from mpmverify.convergence.levels import Array
 
 CLOSE = 1e-15
 """Step of the angle at which Newton's iteration ends, relative to angles above 1."""
+LARGEST = 1e150
+"""Value beyond which the probability is 0 or 1."""
 END = 1e-7
 """Accuracy of the end of an interval of a mixture, which lies between the least and the greatest end by a single distribution."""
 NEWTON = 50
@@ -32,6 +34,7 @@ def student(degrees_of_freedom: int, t: Array) -> tuple[Array, Array]:
         Of any shape.
     """
     n, odd = degrees_of_freedom, degrees_of_freedom % 2
+    t = np.minimum(np.maximum(t, -LARGEST), LARGEST)  # the square of which can be represented
     inverse = 1 / (n + t * t)
     square, sine = n * inverse, t * np.sqrt(inverse)
     cosine = np.sqrt(square)
