@@ -421,6 +421,14 @@ match k:
 """
 
 
+def test_imports_are_found_in_a_long_chain_of_branches(tmp_path, monkeypatch):
+    chain = "\n".join(f"elif k == {k}: pass" for k in range(1500))
+    (tmp_path / "generated.py").write_text(f"if k: pass\n{chain}\nelse: import numerics\n")
+    (tmp_path / "numerics.py").write_text("b = 1\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert "numerics" in content.import_closure(["generated"])
+
+
 def test_imports_are_found_wherever_they_stand(tmp_path, monkeypatch):
     (tmp_path / "everywhere.py").write_text(EVERYWHERE)
     for k in range(1, 15):

@@ -215,10 +215,12 @@ def imported_names(module: str) -> frozenset[str]:
 
 def _statements(node: ast.AST) -> Iterator[ast.AST]:
     """All statements within a statement or a module; `ast.walk` also goes through their expressions, where nothing is imported."""
-    for part in ("body", "orelse", "handlers", "finalbody", "cases"):
-        for inner in getattr(node, part, ()):
-            yield inner
-            yield from _statements(inner)
+    waiting = [node]
+    while waiting:
+        node = waiting.pop()
+        for part in ("body", "orelse", "handlers", "finalbody", "cases"):
+            yield from getattr(node, part, ())
+            waiting.extend(getattr(node, part, ()))
 
 
 @cache
