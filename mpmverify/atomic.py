@@ -3,12 +3,14 @@
 import secrets
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from mpmverify.errors import ResultsError
 
+R = TypeVar("R")
 
-def write_atomic(path: Path, write: Callable[[Path], Any], remedy: str = "free the disk or choose --out") -> None:
+
+def write_atomic(path: Path, write: Callable[[Path], R], remedy: str = "free the disk or choose --out") -> R:
     """Write a temporary file beside `path` and rename it to `path`: readers see the old file or the complete new one.
 
     Parameters
@@ -20,6 +22,11 @@ def write_atomic(path: Path, write: Callable[[Path], Any], remedy: str = "free t
     remedy : str
         Advice at the end of the error message.
 
+    Returns
+    -------
+    object
+        What `write` returns.
+
     Raises
     ------
     ResultsError
@@ -30,8 +37,9 @@ def write_atomic(path: Path, write: Callable[[Path], Any], remedy: str = "free t
         # mkstemp would make a file that only its owner can read.
         temporary = path.with_name(f".{path.stem}-{secrets.token_hex(8)}{path.suffix}")
         try:
-            write(temporary)
+            returned = write(temporary)
             temporary.replace(path)
+            return returned
         finally:
             temporary.unlink(missing_ok=True)
     except ResultsError:

@@ -5,16 +5,20 @@ a module that makes its dataclass (`pages`), a template, and an entry in `site` 
 
 Notes
 -----
-A page is rendered if it is missing, or if its study file or the code of the report has changed. Changes are detected from the size
-and modification time of each file, without reading a dataset.
+The page of a study is made in the process that judges it (`render_study`). `render` makes it if it is missing, or if its study file or
+the code of the report has changed, and all other pages. Changes are detected from the size and modification time of each file, without
+reading a dataset.
 """
 
+import hashlib
+import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from mpmverify.dataset.files import Results, set_aside
+from mpmverify.dataset.files import Results, check_ours, set_aside
+from mpmverify.dataset.tree import CHECKSUM
 from mpmverify.errors import DamagedError
 
 from .manifest import Manifest, Source
@@ -31,10 +35,17 @@ __all__ = ["MadePage", "render", "render_alone", "render_comparison", "render_ma
 
 
 class MadePage(NamedTuple):
-    """What the page of a study was made of, and the state of its file then."""
+    """A page of a study: what it was made of, the state of the study's file then, and the digest of the page."""
 
     record: "Record"
     source: Source
+    digest: str
+
+    def stands(self, results: Results, study: str, manifest: Manifest) -> bool:
+        """Whether both files are as they were: no other process has written to the folder."""
+        page = results.report / f"{study}.html"
+        unchanged = manifest.studies.get(study) == self.source
+        return unchanged and page.is_file() and hashlib.sha256(page.read_bytes()).hexdigest() == self.digest
 
 
 def render_study(results: Results, study: str, groups: "Mapping[str, Group]") -> MadePage | None:
@@ -50,14 +61,20 @@ def render_study(results: Results, study: str, groups: "Mapping[str, Group]") ->
     Returns
     -------
     MadePage or None
-        None if the page cannot be made; then `render` tries again, and says why.
+        None if the page cannot be made; then `render` tries again, and says why. None, too, if another process has replaced the file.
     """
     from .site import write_study
 
+    path = results.study(study)
     try:
-        return MadePage(write_study(results, study, groups), Source.of(results.study(study)))
-    except Exception:  # `render` raises it again, when the verdicts have been shown
+        source = Source.of(path)
+        if check_ours(path, "study").get(CHECKSUM) != groups["/"].attributes[CHECKSUM]:
+            return None
+        record, digest = write_study(results, study, groups)
+    except Exception:  # what `render` raises again, when the verdicts have been shown
+        logging.getLogger("mpmverify").debug("The page of %s is not made yet.", study, exc_info=True)
         return None
+    return MadePage(record, source, digest)
 
 
 def render(
@@ -105,8 +122,9 @@ def render(
         except DamagedError:  # cut off, or written before it held what the pages show
             set_aside(results.selftest)
             manifest = Manifest.of(results, benchmarks)
-        made = {name: page.record for name, page in pages.items() if page and manifest.studies.get(name) == page.source}
-        manifest.write(results, known, write(results, manifest, known, measured, made))
+        made = {name: page for name, page in pages.items() if page and page.stands(results, name, manifest)}
+        whole = write(results, manifest, known, measured, {name: page.record for name, page in made.items()})
+        manifest.write(results, known, whole, {name: page.digest for name, page in made.items()})
     return results.report / "index.html"
 
 

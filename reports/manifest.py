@@ -94,17 +94,8 @@ class Manifest:
         """
         studies = {path.stem: Source.of(path) for path in results.studies()}
         selftest = Source.of(results.selftest) if results.selftest.exists() else None
-        taken = {
-            "index": "the index page",
-            TRUST: "the trust page",
-            SOLVERS: "the list of solvers",
-            COMPARE: "the comparison of solvers",
-            PERFORMANCE: "the page of the benchmarks",
-            PROBLEMS: "the catalogue",
-        }
         for study in studies:
-            if name := taken.get(study, "the page of a solver" if study.startswith(SOLVER) else ""):
-                raise ResultsError(f"'{results.study(study)}' would overwrite {name} of the report: rename the study")
+            check_name(results, study)
         texts = {path.name: _digest(path) for path in handbook_files()}
         return cls(_code(), studies, selftest, texts, tuple(map(_digest, benchmarks)))
 
@@ -139,7 +130,7 @@ class Manifest:
         """Return the pictures of the handbook by their path in the report."""
         return {results.report / "handbook" / name: HANDBOOK / name for name in self.handbook if not name.endswith(".md")}
 
-    def write(self, results: Results, known: "Manifest", whole: Collection[str]) -> None:
+    def write(self, results: Results, known: "Manifest", whole: Collection[str], made: Mapping[str, str]) -> None:
         """Write the manifest, and remove pages and pictures whose study, self-test, solver or text no longer exists.
 
         Parameters
@@ -149,19 +140,36 @@ class Manifest:
             Manifest of the report before.
         whole : collection of str
             Names of the pages that are made of all studies or of no study: those of the problems, the solvers and the benchmarks.
+        made : mapping of str to str
+            Digests of the pages of studies that were made before, by name.
         """
         required = {*self.pages(), "index", *whole}
-        made = {name.removesuffix(".html") for name in known.written if name.endswith(".html")}
-        before = {name for name in made if name.startswith(SOLVER) or name == PERFORMANCE}
+        old = {name.removesuffix(".html") for name in known.written if name.endswith(".html")}
+        before = {name for name in old if name.startswith(SOLVER) or name == PERFORMANCE}
         for name in (known.pages().keys() | before) - required:
             page(results, name).unlink(missing_ok=True)
         for picture in known.pictures(results).keys() - self.pictures(results).keys():
             picture.unlink(missing_ok=True)
-        files = [page(results, name) for name in sorted(required)]
+        files = [page(results, name) for name in sorted(required - made.keys())]
         files += [*(results.report / "assets").glob("*.*"), *self.pictures(results)]
         written = {_name(path, results): _digest(path) for path in files}
+        written |= {_name(page(results, name), results): digest for name, digest in made.items()}
         text = json.dumps(asdict(replace(self, written=written)), indent=1, sort_keys=True) + "\n"
         write_atomic(_path(results), lambda temporary: temporary.write_text(text, encoding="utf-8"))
+
+
+def check_name(results: Results, study: str) -> None:
+    """Raise a `ResultsError` if a study has the name of another page of the report."""
+    taken = {
+        "index": "the index page",
+        TRUST: "the trust page",
+        SOLVERS: "the list of solvers",
+        COMPARE: "the comparison of solvers",
+        PERFORMANCE: "the page of the benchmarks",
+        PROBLEMS: "the catalogue",
+    }
+    if name := taken.get(study, "the page of a solver" if study.startswith(SOLVER) else ""):
+        raise ResultsError(f"'{results.study(study)}' would overwrite {name} of the report: rename the study")
 
 
 def handbook_files() -> list[Path]:

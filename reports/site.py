@@ -1,6 +1,7 @@
 """Write the pages as HTML; the only module that uses the template engine."""
 
 import dataclasses
+import hashlib
 import importlib.util
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -25,7 +26,7 @@ from .changes_page import ChangesPage
 from .compare_page import ComparePage, compare_page
 from .handbook_page import HandbookPage, handbook_pages
 from .index_page import index_page
-from .manifest import COMPARE, HANDBOOK, PERFORMANCE, PROBLEMS, SOLVERS, TRUST, Manifest, page
+from .manifest import COMPARE, HANDBOOK, PERFORMANCE, PROBLEMS, SOLVERS, TRUST, Manifest, check_name, page
 from .pages import IndexPage, StudyPage, TrustPage
 from .parts import Link
 from .performance_page import PerformancePage, performance_page
@@ -70,18 +71,20 @@ ORIGIN = {"Written": "date_created", "Commit": "commit", "Tier": "tier", "Versio
 """Attributes of the self-test file that the trust page shows, by label."""
 
 
-def write_study(results: Results, study: str, groups: Mapping[str, Group]) -> Record:
-    """Write the page of a study from the groups of its file, and return what it was made of.
+def write_study(results: Results, study: str, groups: Mapping[str, Group]) -> tuple[Record, str]:
+    """Write the page of a study from the groups of its file, and return what it was made of, and its digest.
 
     Raises
     ------
     ResultsError
-        If a file that is no page of a report has the path of the page, or it cannot be written.
+        If the study has the name of another page, a file that is no page of a report has the path of the page, or it cannot be written.
     """
+    check_name(results, study)
     record, path = record_of(study, groups), page(results, study)
     make_way(path)
-    _write(path, render(study_page(record, _runs(results), GENERATOR)))
-    return record
+    text = render(study_page(record, _runs(results), GENERATOR))
+    _write(path, text)
+    return record, hashlib.sha256(_encoded(text)).hexdigest()
 
 
 def _runs(results: Results) -> set[str]:
@@ -192,7 +195,11 @@ def make_way(path: Path) -> None:
 
 
 def _write(path: Path, text: str) -> None:
-    write_atomic(path, lambda temporary: temporary.write_text(text, encoding="utf-8", errors="replace"))
+    write_atomic(path, lambda temporary: temporary.write_bytes(_encoded(text)))
+
+
+def _encoded(text: str) -> bytes:
+    return text.encode("utf-8", errors="replace")
 
 
 def _write_assets(results: Results, manifest: Manifest) -> None:

@@ -38,7 +38,9 @@ THIN = """
   const kinds = new Map(), numbers = new Map(), cut = [];
   const kind = (node) => {  // nodes of one kind have the same tag, attributes, looks, and kinds of nodes within
     if (!numbers.has(node)) {
-      const said = [...node.attributes].map(({ name, value }) => (name === "class" || name === "style" ? name + value : name));
+      const told = ["class", "style", "role", "alt", "tabindex", "type", "aria-hidden", "aria-label"];
+      const said = [...node.attributes].map(({ name, value }) => (told.includes(name) ? name + value : name));
+      if (!node.textContent.trim()) said.push("empty");
       const within = node.localName === "math" ? [] : [...new Set([...node.children].map(kind))];
       const text = [node.localName, ...said.sort(), ...within.sort()].join(" ");
       if (!kinds.has(text)) kinds.set(text, kinds.size);

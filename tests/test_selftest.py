@@ -9,18 +9,19 @@ import sys
 import tempfile
 from collections import Counter
 
+import netCDF4
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from faulty_solvers import transported
 from lone_tasks import double, why
-from test_planted_faults import SOURCES
+from planted import SOURCES
 
 from mpmverify import studies
 from mpmverify.cli import cli
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.selftest import read_selftest, write_selftest
-from mpmverify.errors import ResultsError, UsageError
+from mpmverify.errors import DamagedError, ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, advection
 from mpmverify.execution.runner import Plan, run
 from mpmverify.judgement.baseline import Baseline, read_baseline
@@ -393,6 +394,10 @@ def test_a_self_test_reads_back_as_it_was_written(tmp_path):
     test = self_test(*Fate)
     write_selftest(tmp_path / "selftest.nc", test)
     assert read_selftest(tmp_path / "selftest.nc") == test
+    with netCDF4.Dataset(tmp_path / "selftest.nc", "a") as file:
+        file["runs/seed"][0] = 7
+    with pytest.raises(DamagedError, match="selftest"):
+        read_selftest(tmp_path / "selftest.nc")
     (tmp_path / "foreign.nc").write_text("no netCDF", encoding="utf-8")
     with pytest.raises(ResultsError, match=r"foreign\.nc"):
         write_selftest(tmp_path / "foreign.nc", test)

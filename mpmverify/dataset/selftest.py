@@ -19,7 +19,7 @@ from mpmverify.atomic import write_atomic
 from mpmverify.convergence.synthetic import Rate
 from mpmverify.dataset import provenance
 from mpmverify.dataset.files import check_ours, damaged, make_way
-from mpmverify.dataset.tree import Group, read_groups, text, variable, write_groups
+from mpmverify.dataset.tree import CHECKSUM, Group, read_groups, text, variable, write_groups
 from mpmverify.judgement.kill_table import Fate, PlantedFault, Rates, SelfTest, UnmodifiedRun
 
 KINDS: dict[str, type[Any]] = {"fault": PlantedFault, "run": UnmodifiedRun, "kind": Rate}
@@ -73,13 +73,15 @@ def read_selftest(path: Path) -> SelfTest:
     attributes = check_ours(path, "selftest")
     try:
         with netCDF4.Dataset(path) as file:
-            _, groups = read_groups(file)
+            digest, groups = read_groups(file)
+        if attributes.get(CHECKSUM) != digest:
+            raise damaged(path)
         faults = tuple(dataclasses.replace(row, fate=Fate(row.fate)) for row in _rows(PlantedFault, groups["/faults"]))
         runs = _rows(UnmodifiedRun, groups["/runs"])
         rates = Rates(*(_rows(Rate, groups[f"/{name}"]) for name in RATES))
         every_study = bool(attributes["every_study"])
         return SelfTest(str(attributes["tier"]), int(attributes["sites"]), faults, runs, rates, every_study)
-    except (OSError, RuntimeError, AttributeError, ValueError, KeyError) as error:
+    except (OSError, RuntimeError, AttributeError, ValueError, TypeError, LookupError) as error:
         raise damaged(path) from error
 
 

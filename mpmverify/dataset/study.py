@@ -106,8 +106,8 @@ def write_study(
         groups[f"/{name}"] = said
         shown = [shot for series, shot in snapshots.items() if series.solver == name]
         groups |= {f"/{name}/{group}": part for group, part in snapshot_groups(shown).items()}
-    write_atomic(path, lambda temporary: write_groups(temporary, groups))
-    return groups
+    checksum = write_atomic(path, lambda temporary: write_groups(temporary, groups))
+    return groups | {"/": groups["/"].joined(Group(attributes={CHECKSUM: checksum}))}
 
 
 def _describe(value: Any) -> str:
@@ -251,7 +251,7 @@ def read_study_groups(path: Path, *, renamed: bool = False) -> dict[str, Group]:
             digest, groups = read_groups(file)
     except ResultsError:
         raise
-    except (OSError, RuntimeError, ValueError, AttributeError, IndexError) as error:
+    except (OSError, RuntimeError, ValueError, TypeError, AttributeError, IndexError) as error:
         check_ours(path, "study")
         raise damaged(path) from error
     if stated.get(CHECKSUM) != digest:

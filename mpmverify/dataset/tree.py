@@ -97,8 +97,11 @@ class Group:
         return found
 
 
-def write_groups(path: Path, groups: Mapping[str, Group]) -> None:
-    """Write groups by their path with a checksum; `xarray.open_datatree` reads them with their coordinates, texts and attributes."""
+def write_groups(path: Path, groups: Mapping[str, Group]) -> str:
+    """Write groups by their path with a checksum, and return it.
+
+    `xarray.open_datatree` reads them with their coordinates, texts and attributes.
+    """
     with netCDF4.Dataset(path, "w") as file:
         pending: list[tuple[netCDF4.Variable, np.ndarray]] = []
         for place, content in groups.items():
@@ -107,7 +110,9 @@ def write_groups(path: Path, groups: Mapping[str, Group]) -> None:
         for stored, values in pending:
             stored[...] = values
             written[stored.group().path, stored.name] = values
-        file.setncattr(CHECKSUM, _digest(_stored(file, written)))
+        digest = _digest(_stored(file, written))
+        file.setncattr(CHECKSUM, digest)
+    return digest
 
 
 def read_groups(file: netCDF4.Dataset) -> tuple[str, dict[str, Group]]:

@@ -49,7 +49,8 @@ class StudyRun:
     solved, reused : int
         How many runs were solved, and how many were read back.
     seconds : float
-        Time of its runs, compilation included and summed over the processes, and of its judging [s]; 0 when all of it was at hand.
+        Time of its runs, compilation included and summed over the processes, and of its judging, without that of its page [s]; 0 when
+        all of it was at hand.
     shown : object
         What `show` made of it, see `run`; None when all of it was at hand.
     """
@@ -182,7 +183,7 @@ def run(
             progress(task.study, len(finished), len(tasks))
             complete = len(finished) == len(tasks)
             results = [finished[k] for k in range(len(tasks))] if complete else []
-            judged = partial(_judged, by_name[task.study], plan, tasks, results, started, digests[task.study], show)
+            judged = partial(_judged, by_name[task.study], plan, tasks, results, started, digests[task.study], show=show)
             yield judged if complete else None, left > 0
 
     if here or plan.scheduler:
@@ -219,9 +220,9 @@ def _beside(calls: "Iterable[tuple[partial[StudyRun] | None, bool]]") -> Iterato
             yield waiting.popleft()()
     except BaseException:
         if call := judge.task:
-            _ = judge.result() or call()
+            _ = judge.result() or call(show=nothing)
         for call in waiting:
-            call()
+            call(show=nothing)
         raise
     finally:
         judge.stop()
@@ -268,7 +269,7 @@ def _inputs(study: Study, plan: Plan, tasks: Sequence[Task]) -> str:
 
 
 def _judged(
-    study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated], run: str, inputs: str, show: Show
+    study: Study, plan: Plan, tasks: Sequence[Task], evaluated: Sequence[Evaluated], run: str, inputs: str, *, show: Show
 ) -> StudyRun:
     """Judge a study whose runs are all finished, store it and show it.
 

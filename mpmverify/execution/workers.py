@@ -3,7 +3,6 @@
 import contextlib
 import multiprocessing
 import os
-import pickle
 import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -137,7 +136,7 @@ class Worker(Generic[T, R]):
             self.stop()
             self._spawn()
             self.connection.send(task)
-        except (AttributeError, TypeError, pickle.PicklingError) as error:
+        except Exception as error:  # pickle may raise anything
             self.task = None  # nobody works on it
             raise UsageError(
                 f"{task} cannot be sent to a worker process ({error}): define the class at the top of a module"
