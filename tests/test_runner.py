@@ -467,10 +467,14 @@ def test_what_a_process_fails_to_judge_is_judged_here(judge):
     assert list(runner._beside([(partial(judge, os.getpid()), True), (None, False)])) == ["judged here"]
 
 
+def touch(path, show=None):
+    path.touch()
+
+
 def test_what_stops_the_runs_loses_no_study_that_was_finished(tmp_path):
     def stopped():
-        yield partial((tmp_path / "first").touch), True
-        yield partial((tmp_path / "second").touch), True
+        yield partial(touch, tmp_path / "first"), True
+        yield partial(touch, tmp_path / "second"), True
         raise UsageError("the third solver cannot take its problem")
 
     with pytest.raises(UsageError, match="third solver"):

@@ -193,7 +193,9 @@ def run(
 
 
 def _beside(calls: "Iterable[tuple[partial[StudyRun] | None, bool]]") -> Iterator[StudyRun]:
-    """Make calls in a process of its own while runs go on, and the rest here; what stops the runs does not stop these calls.
+    """Make calls in a process of its own while runs go on, and the rest here.
+
+    What stops the runs does not stop these calls, which show nothing then.
 
     A thread would not do: the netCDF library takes one at a time, and what is read closes its file wherever it is collected.
 
