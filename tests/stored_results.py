@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+import xarray as xr
 from faulty_solvers import Scripted, study, transported
 
 from mpmverify.criteria import (
@@ -37,6 +38,12 @@ def run_of(made, **measured):
 
 def bits(arrays):
     return {name: (values.shape, values.tobytes()) for name, values in arrays.items()}
+
+
+def tree_of(path):
+    """File of a study as xarray reads it."""
+    with xr.open_datatree(path) as tree:
+        return tree.load()
 
 
 # One study.

@@ -15,13 +15,13 @@ import xarray as xr
 from click.testing import CliRunner
 from faulty_solvers import Scripted, study
 from rich.console import Console
+from stored_results import tree_of
 
 from mpmverify import cli, reports, studies
 from mpmverify.cli.console import console
 from mpmverify.cli.findings import StudyTable, show
 from mpmverify.cli.progress import Progress
 from mpmverify.convergence.verdict import Verdict
-from mpmverify.dataset.study import read_tree
 from mpmverify.errors import ResultsError
 from mpmverify.execution import processes as pool
 from mpmverify.execution import runner
@@ -405,14 +405,14 @@ def test_solver_restricts_the_study(tmp_path):
         "run", "slow", "scripted", "--solver", "scripted-unstable", "--out", tmp_path, "--baseline", tmp_path / "baseline.json"
     )
     assert result.exit_code == 3
-    assert list(read_tree(tmp_path / "slow.nc").children) == ["scripted-unstable"]
+    assert list(tree_of(tmp_path / "slow.nc").children) == ["scripted-unstable"]
     assert not (tmp_path / "scripted.nc").exists()
 
 
 def test_courant_changes_every_level(tmp_path):
     result = call("run", "scripted", "--courant", "0.125", "--out", tmp_path, "--baseline", tmp_path / "baseline.json")
     assert result.exit_code == 0
-    stored = read_tree(tmp_path / "scripted.nc")["scripted-good"]
+    stored = tree_of(tmp_path / "scripted.nc")["scripted-good"]
     assert stored["courant"].values.tolist() == [0.125] * 3
     assert (stored["dt"].values <= 0.125 * stored["h"].values * (1 + 1e-12)).all()
     assert set(stored["refinement"].values.tolist()) == {"nu_C=0.125"}

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from faulty_solvers import Scripted, ladder, plan, study
-from stored_results import CRITERION_OF_EACH_KIND, MIXED
+from stored_results import CRITERION_OF_EACH_KIND, MIXED, tree_of
 
 from mpmverify.criteria import (
     CRITERIA,
@@ -23,7 +23,7 @@ from mpmverify.dataset.files import Results, check_ours
 from mpmverify.dataset.fits import read_orders
 from mpmverify.dataset.levels import read_levels
 from mpmverify.dataset.statement import statement
-from mpmverify.dataset.study import read_study, read_study_groups, read_tree, solvers, stored_findings
+from mpmverify.dataset.study import read_study, read_study_groups, solvers, stored_findings
 from mpmverify.dataset.tree import Group, read_groups, text, variable, write_groups
 from mpmverify.errors import UsageError
 from mpmverify.execution.gate import accept, gate, judged
@@ -120,10 +120,17 @@ def test_variables_that_disagree_on_a_dimension_are_not_written(tmp_path):
         write_groups(tmp_path / "t.nc", {"/": wrong})
 
 
-def test_a_tree_is_what_xarray_opens(path):
-    mine = read_tree(path)
-    with xr.open_datatree(path) as tree:
-        xr.testing.assert_identical(mine, tree.load())
+def test_what_is_read_of_a_study_is_what_xarray_reads(path):
+    groups, tree = read_study_groups(path), tree_of(path)
+    assert set(groups) == set(tree.groups)
+    for place, group in groups.items():
+        other = tree[place].to_dataset(inherit=False)
+        assert group.columns.keys() == set(other.variables)
+        for name, values in group.columns.items():
+            np.testing.assert_array_equal(values, other[name].values)
+        assert (
+            group.units.items() >= {name: v.attrs["units"] for name, v in other.variables.items() if "units" in v.attrs}.items()
+        )
 
 
 def test_a_file_may_be_open_many_times(stored):
@@ -324,7 +331,7 @@ def test_an_unknown_criterion_is_named():
 def test_a_study_without_criteria_metrics_or_finished_runs_is_stored(tmp_path):
     declared = study(Scripted("raises"), criteria=())
     (entry,) = run([declared], plan(tmp_path))
-    tree = read_tree(tmp_path / "scripted.nc")
+    tree = tree_of(tmp_path / "scripted.nc")
     assert gate(tmp_path / "scripted.nc", Baseline(tmp_path / "none")) == entry.findings
     assert [finding.gate for finding in entry.findings] == ["regression"]
     assert tree["scripted-raises"]["error"].shape == (3, 0, 4)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from report_pages import Page
 from sample_study import Scheme, study
+from stored_results import tree_of
 
 from mpmverify.convergence.sources import Separation, Source
 from mpmverify.convergence.verdict import Verdict
@@ -15,7 +16,7 @@ from mpmverify.criteria import Order, Separated
 from mpmverify.criteria.evidence import Level, evidence_by_series
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.sources import NAMES, source_table
-from mpmverify.dataset.study import read_study, read_study_groups, read_tree, stored_findings, write_study
+from mpmverify.dataset.study import read_study, read_study_groups, stored_findings, write_study
 from mpmverify.execution.gate import judged
 from mpmverify.judgement.baseline import Baseline
 from mpmverify.judgement.judging import judge
@@ -68,7 +69,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Record]:
 
 def test_sources_are_stored_and_judging_the_file_again_gives_the_same_findings(stored: tuple[Results, Record]) -> None:
     path = stored[0].study("sources")
-    dataset = read_tree(path)["good"].to_dataset(inherit=False)
+    dataset = tree_of(path)["good"].to_dataset(inherit=False)
     assert dataset["source"].values.tolist() == list(NAMES)
     assert dataset["source_exponent"].dims == ("separation", "source")
     found = dataset["source_exponent"].isel(separation=0).sel(source=["h", "dt"]).values

@@ -12,12 +12,13 @@ import netCDF4
 import numpy as np
 import pytest
 from faulty_solvers import BEHAVIOURS, SECOND_ORDER, Scripted, ladder, plan, study
+from stored_results import tree_of
 
 from mpmverify.convergence.verdict import Verdict
 from mpmverify.criteria import Amplification, Balance, Order
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.leftovers import leftovers
-from mpmverify.dataset.study import read_study_groups, read_tree, stored_findings
+from mpmverify.dataset.study import read_study_groups, stored_findings
 from mpmverify.errors import ResultsError, UsageError
 from mpmverify.exact.advection import Gaussian, Step, advection
 from mpmverify.execution import evaluation, runner
@@ -598,7 +599,7 @@ def test_one_and_two_processes_give_the_same_study(tmp_path):
     inline, parallel = (judged_once(declared, tmp_path / str(jobs), jobs=jobs) for jobs in (0, 2))
     assert parallel.findings == inline.findings
     assert (parallel.solved, parallel.reused) == (inline.solved, inline.reused)
-    here, there = (read_tree(tmp_path / str(jobs) / "scripted.nc") for jobs in (0, 2))
+    here, there = (tree_of(tmp_path / str(jobs) / "scripted.nc") for jobs in (0, 2))
     assert here.groups == there.groups
     for group in here.groups:
         one, other = (tree[group].to_dataset(inherit=False).drop_vars("seconds", errors="ignore") for tree in (here, there))
@@ -620,7 +621,7 @@ def test_a_series_without_a_finished_run_does_not_affect_another_of_its_solver(t
     declared = Study("scripted", "Scripted", "One good series.", (Case("hill", advection(Gaussian(width=0.2)), series, "u"),))
     entry = judged_once(declared, tmp_path)
     assert verdicts(entry) == [Verdict.PASS, Verdict.ERROR]
-    assert read_tree(Results(tmp_path).study("scripted"))["scripted-raises/histories"].sizes["shown"] == 1
+    assert tree_of(Results(tmp_path).study("scripted"))["scripted-raises/histories"].sizes["shown"] == 1
 
 
 @dataclasses.dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from faulty_solvers import plan
 from sampled_solvers import Everywhere, Sampled
+from stored_results import tree_of
 
 from mpmverify import studies
 from mpmverify.convergence.verdict import Verdict
@@ -16,7 +17,6 @@ from mpmverify.criteria.criterion import Setting
 from mpmverify.criteria.norms import errors
 from mpmverify.dataset.files import Results
 from mpmverify.dataset.runs import read_run
-from mpmverify.dataset.study import read_tree
 from mpmverify.dataset.tables import read_tables
 from mpmverify.errors import UsageError
 from mpmverify.exact.axis_aligned import axis_aligned
@@ -139,7 +139,7 @@ def test_units_of_histories_are_per_cross_section_per_thickness_or_of_the_whole_
 @pytest.mark.parametrize(("name", "suffix"), [("bar", ""), ("square", "_2d"), ("cube", "_3d"), ("ring", "_2d")])
 def test_snapshots_hold_every_component_by_its_name(stored, name, suffix):
     problem = {"bar": BAR, "square": SQUARE, "cube": CUBE, "ring": RING}[name]
-    group = read_tree(stored[0].study(name))["sampled-good"]
+    group = tree_of(stored[0].study(name))["sampled-good"]
     shots, histories = group[f"snapshots{suffix}"].to_dataset(), group[f"histories{suffix}"].to_dataset()
     assert len(group.children) == 2
     dimension, size, size_of = problem.problem.dimension, shots.row_size.values, Sampled(problem).size
@@ -175,7 +175,7 @@ def test_one_solver_may_be_judged_on_bodies_of_several_dimensions(tmp_path):
     cases = [case(name, problem, anywhere) for name, problem in (("bar", BAR), ("square", SQUARE), ("cube", CUBE))]
     (judged,) = run([study(*cases)], plan(tmp_path))
     assert {f.verdict for f in judged.findings if f.gate == "verification"} == {Verdict.PASS}
-    group = read_tree(Results(tmp_path).study("several"))["everywhere"]
+    group = tree_of(Results(tmp_path).study("several"))["everywhere"]
     assert set(group.children) == {f"{part}{suffix}" for part in ("snapshots", "histories") for suffix in ("", "_2d", "_3d")}
     masses = {suffix: group[f"histories{suffix}"]["history_mass"].attrs["units"] for suffix in ("", "_2d", "_3d")}
     assert masses == {"": "kg m-2", "_2d": "kg m-1", "_3d": "kg"}

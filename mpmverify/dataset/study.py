@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import netCDF4
 
@@ -34,14 +34,11 @@ from mpmverify.dataset.levels import level_table, read_levels
 from mpmverify.dataset.snapshots import Snapshots, snapshot_groups
 from mpmverify.dataset.sources import source_table
 from mpmverify.dataset.statement import statement
-from mpmverify.dataset.tree import CHECKSUM, COORDINATES, Group, Variable, read_groups, text, variable, write_groups
+from mpmverify.dataset.tree import CHECKSUM, Group, Variable, read_groups, text, variable, write_groups
 from mpmverify.errors import MpmverifyError, ResultsError
 from mpmverify.judgement.findings import Finding
 from mpmverify.judgement.judging import Judged
 from mpmverify.study import Study
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def write_study(
@@ -198,31 +195,6 @@ def stored_findings(groups: Mapping[str, Group]) -> tuple[Finding, ...]:
     findings = [finding for solver, group in solvers(groups) for finding in read_findings(name, solver, group.columns)]
     missing = read_lacking(attributes)
     return (*findings, *([missing] if missing else []))
-
-
-def read_tree(path: Path) -> "xr.DataTree":
-    """Read a study's file into memory as a tree of xarray datasets, after the checks of `read_study_groups`.
-
-    Raises
-    ------
-    ResultsError
-        As `read_study_groups` does.
-    """
-    import xarray as xr  # takes a second, which nothing else here needs
-
-    def dataset(group: Group) -> xr.Dataset:
-        named: set[str] = set()
-
-        def without_names(attributes: Mapping[str, Any]) -> dict[str, Any]:
-            named.update(str(attributes.get(COORDINATES, "")).split())
-            return {name: value for name, value in attributes.items() if name != COORDINATES}
-
-        variables = {name: (along, values, without_names(said)) for name, (along, values, said) in group.variables.items()}
-        return xr.Dataset(variables, attrs=without_names(group.attributes)).set_coords(named)
-
-    groups = read_study_groups(path)
-    with parsing(path):
-        return xr.DataTree.from_dict({place: dataset(group) for place, group in groups.items()})
 
 
 def read_study_groups(path: Path, *, renamed: bool = False) -> dict[str, Group]:
