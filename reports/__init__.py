@@ -18,13 +18,12 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from mpmverify.dataset.files import Results, check_ours, set_aside
-from mpmverify.dataset.tree import CHECKSUM
+from mpmverify.dataset.tree import CHECKSUM, Group
 from mpmverify.errors import DamagedError
 
 from .manifest import Manifest, Source
 
 if TYPE_CHECKING:
-    from mpmverify.dataset.tree import Group
     from mpmverify.judgement.comparison import Comparison
     from mpmverify.judgement.tables import Tables
 
@@ -48,7 +47,7 @@ class MadePage(NamedTuple):
         return unchanged and page.is_file() and hashlib.sha256(page.read_bytes()).hexdigest() == self.digest
 
 
-def render_study(results: Results, study: str, groups: "Mapping[str, Group]") -> MadePage | None:
+def render_study(results: Results, study: str, groups: Mapping[str, Group]) -> MadePage | None:
     """Write the page of a study that was just judged, so that `render` need not.
 
     Parameters
